@@ -144,17 +144,15 @@ def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
 
 
 def _measured(part: Part, keys: Mapping[str, str], store: Store) -> tuple[list[Any], PartRow]:
-    rows: list[Any] = []
-    left = []
-    busy_s = wall_s = 0.0
-    for task, key in keys.items():
-        stored, timing = store.get(key), store.timing(key)
-        if stored is None or timing is None:
-            left.append(task)
-            continue
-        rows += base.part(list[part.row], stored["rows"], store.path)  # type: ignore[name-defined]
-        busy_s, wall_s = busy_s + timing[0], wall_s + timing[1]
-    return rows, PartRow(part.name, wall_s, len(keys) - len(left), left, busy_s)
+    found = {
+        task: (stored["rows"], timing)
+        for task, key in keys.items()
+        if (stored := store.get(key)) is not None and (timing := store.timing(key)) is not None
+    }
+    kind = list[part.row]  # type: ignore[name-defined]
+    rows = [row for stored, _ in found.values() for row in base.part(kind, stored, store.path)]
+    busy_s, wall_s = (sum((timing[k] for _, timing in found.values()), 0.0) for k in (0, 1))
+    return rows, PartRow(part.name, wall_s, len(found), [task for task in keys if task not in found], busy_s)
 
 
 def _rows(asked: tuple[Part, str]) -> TaskResult:

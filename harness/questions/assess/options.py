@@ -133,9 +133,8 @@ def _with_friction(pair: str, own: Contact) -> Option:
 
 
 def _pedestal(scene: Scene, mass: float, width: float = 1.0) -> Scene:
-    if scene.pedestal is None:
-        return scene
     given = scene.pedestal
+    assert given is not None
     return replace(scene, pedestal=replace(given, mass_kg=mass * given.mass_kg, width_m=width * given.width_m))
 
 
@@ -149,8 +148,7 @@ def _base_widened(scene: Scene, plate_m: float) -> Scene:
 
 
 def _fixed(scene: Scene) -> Scene:
-    if scene.pedestal is None:
-        return scene
+    assert scene.pedestal is not None
     # The one body stands on the pedestal's base, whose friction bears it.
     contact = replace(scene.contact, statue=scene.contact.floor_static)
     return replace(scene, statue=as_one(scene.statue, scene.pedestal), pedestal=None, contact=contact)

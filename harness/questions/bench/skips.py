@@ -23,6 +23,7 @@ from harness.engines.base import Engine, Settings
 from harness.model.errors import InputError
 from harness.model.finding import Finding, caution, info
 from harness.model.run import Run, RunOptions
+from harness.model.run_set import grouped
 from harness.model.scene import Scene
 from harness.questions.bench.cost import cost, costs, timed
 from harness.questions.bench.standard_scenes import (
@@ -214,22 +215,19 @@ def own_error_rad(engine: Engine, scene: Scene, options: RunOptions, run: Run) -
 
 def together(rows: Sequence[SkipRow]) -> list[SkipRow]:
     """One row for each engine, over all statues and records; the sentence of what is missing where a record is."""
-    sums: dict[str, SkipRow] = {}
-    for row in rows:
-        known = sums.get(row.engine)
-        if known is None or known.failed or row.failed:
-            sums[row.engine] = known if known is not None and known.failed else row
-            continue
-        sums[row.engine] = replace(
-            known,
-            scenes=known.scenes + row.scenes,
-            on_s=known.on_s + row.on_s,
-            off_s=known.off_s + row.off_s,
-            changed=(*known.changed, *row.changed),
-            unsettled=(*known.unsettled, *row.unsettled),
-            outcomes=tuple(sorted({*known.outcomes, *row.outcomes})),
+    return [
+        next((row for row in mine if row.failed), None)
+        or replace(
+            mine[0],
+            scenes=sum(row.scenes for row in mine),
+            on_s=sum(row.on_s for row in mine),
+            off_s=sum(row.off_s for row in mine),
+            changed=tuple(text for row in mine for text in row.changed),
+            unsettled=tuple(text for row in mine for text in row.unsettled),
+            outcomes=tuple(sorted({outcome for row in mine for outcome in row.outcomes})),
         )
-    return list(sums.values())
+        for mine in grouped((row.engine, row) for row in rows).values()
+    ]
 
 
 def together_findings(rows: Sequence[SkipRow]) -> list[Finding]:

@@ -143,18 +143,14 @@ def without_meaning(scene: Scene) -> dict[str, str]:
     """The conditions that change nothing of this scene, each with the code of its reason."""
     y, z = (isinstance(item, ZeroExcitation) for item in (scene.base_excitation.y, scene.base_excitation.z))
     flat = float(np.ptp(solid_of(scene).feet_m[:, 2])) < FLAT_M
-    reasons = {}
-    if z:
-        reasons["with the vertical component"] = "motion_has_none"
-    if y:
-        reasons["with the second horizontal component"] = "motion_has_none"
-    if y or z:
-        reasons["with all three components"] = "motion_has_fewer"
-    if flat:
-        reasons["base planed flat"] = "base_flat"
-    else:
-        reasons["base ragged by 1 mm"] = "base_uneven"
-    return reasons
+    reasons = {
+        "with the vertical component": "motion_has_none" if z else "",
+        "with the second horizontal component": "motion_has_none" if y else "",
+        "with all three components": "motion_has_fewer" if y or z else "",
+        "base planed flat": "base_flat" if flat else "",
+        "base ragged by 1 mm": "" if flat else "base_uneven",
+    }
+    return {name: why for name, why in reasons.items() if why}
 
 
 # How far a run in three dimensions leaves the plane of shaking: tilt, yaw, way, and whether it rocks on an edge or a corner.

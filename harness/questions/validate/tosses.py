@@ -78,12 +78,9 @@ def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Tos
     Times are those of a clock by which free fall is gravity, where it is not within its error. Raises `InputError` with every
     mistake.
     """
-    mistakes: list[Mistake] = []
     groups = read_groups(path, COLUMNS)
-    for name, table in groups:
-        if (wrong := _wrong(table)) is not None:
-            mistakes.append(Mistake(str(path), f"toss {name}", *wrong))
-    refuse(mistakes)
+    wrong = [(name, why) for name, table in groups if (why := _wrong(table)) is not None]
+    refuse([Mistake(str(path), f"toss {name}", wanted, got) for name, (wanted, got) in wrong])
     clock = clock_of([table for _, table in groups], body, gravity_m_s2)
     stretch = 1.0 if clock is None else clock.stated_hz / clock.rate_hz
     scale = np.array([stretch, *[1.0] * len(PLACE), *[1.0 / stretch] * len(RATES)])
@@ -92,18 +89,13 @@ def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Tos
 
 def clock_of(tables: Sequence[Array], body: Statue, gravity_m_s2: float) -> CameraClock | None:
     """The clock by which the tosses' free falls are gravity: each flight's, weighed by what it knows; None of fewer than two."""
-    falls, weights = [], []
-    for table in tables:
-        count = in_flight(body, table[:, 1:4], table[:, 4:8])
-        if count >= FEWEST_OF_FALL:
-            (half, *_), cov = np.polyfit(table[:count, 0], table[:count, 3], 2, cov="unscaled")
-            falls.append(-2.0 * half)
-            weights.append(0.25 / cov[0, 0])
-    if len(falls) < 2:
+    flights = [table[: in_flight(body, table[:, 1:4], table[:, 4:8])] for table in tables]
+    fits = [np.polyfit(each[:, 0], each[:, 3], 2, cov="unscaled") for each in flights if len(each) >= FEWEST_OF_FALL]
+    if len(fits) < 2:
         return None
+    falls, weights = np.array([(-2.0 * half, 0.25 / cov[0, 0]) for (half, *_), cov in fits]).T
     fall = float(np.average(falls, weights=weights))
-    shares = np.array(weights) / np.sum(weights)
-    error = float(np.sqrt(np.sum((shares * (np.array(falls) - fall)) ** 2)))
+    error = float(np.sqrt(np.sum((weights / np.sum(weights) * (falls - fall)) ** 2)))
     stated = 1.0 / float(np.mean([table[-1, 0] / (len(table) - 1) for table in tables]))
     off = fall > 0.0 and abs(fall - gravity_m_s2) > CLOCK_OFF * error and abs(fall / gravity_m_s2 - 1.0) < MOST_OFF
     return CameraClock(fall, error, stated, stated * float(np.sqrt(gravity_m_s2 / fall)) if off else stated)
