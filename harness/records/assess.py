@@ -63,9 +63,10 @@ def worst(answers: Mapping[str, Assessment]) -> str:
 
 @dataclass(frozen=True)
 class NotAssessed:
-    """Why there is no assessment by an engine."""
+    """Why there is no assessment by an engine: its own words, or none of so many `runs` came to an end."""
 
     message: str
+    runs: int = 0
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,9 @@ def answer_of(record: AssessRecord) -> Answer:
 def findings_of(record: AssessRecord) -> list[Finding]:
     """All that is to be known beside the headline."""
     found = [
-        caution("not_assessed", reason=item.message).of(name)
+        (caution("no_run_ended", runs=item.runs) if item.runs else caution("not_assessed", reason=item.message)).of(
+            name
+        )
         for name, item in record.assessment.items()
         if isinstance(item, NotAssessed)
     ]

@@ -99,8 +99,9 @@ def test_an_engine_none_of_whose_runs_ends_has_no_probability_but_a_reason() -> 
     record = assess(paestum(0.429, 3.0, duration_s=0.5), ["spatial"], **few).record
     none = record.assessment["spatial"]
     assert isinstance(none, NotAssessed)
-    (reason,) = (each for each in record.findings if each.code == "not_assessed")
-    assert (reason.engine, reason.values) == ("spatial", {"reason": none.message})
+    (reason,) = (each for each in record.findings if each.code == "no_run_ended")
+    assert (reason.engine, reason.values) == ("spatial", {"runs": none.runs})
+    assert 0 < none.runs <= 30
     assert set(record.answers) == {"analytic"}
     assert record.difference_from_model == {}
 
