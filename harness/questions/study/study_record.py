@@ -101,7 +101,7 @@ def _left_domain(rows: Sequence[StudyRow]) -> Iterator[Finding]:
     """In how many runs each model left its own domain, and by what: there its outcome cannot be relied on."""
     for model in dict.fromkeys(row.model for row in rows):
         runs = [row.run for row in rows if row.run is not None and row.model == model]
-        # What it leaves on a fall that was decided, nothing hangs on.
+        # Where a fall was decided before, nothing hangs on it.
         causes = Counter(cause for run in runs if (cause := run.validity.get("left_domain_by")) and left_early(run))
         if causes:
             counts = dict(causes.most_common())
