@@ -45,16 +45,12 @@ def costs(
 
     `first` is what each took before: one that took the budget is not done again.
     """
-    walls = [[item.wall_s] for item in first] if first is not None else [[] for _ in works]
-    cpus = [[item.cpu_s] for item in first] if first is not None else [[] for _ in works]
+    spent = [[each] for each in first] if first is not None else [list[Cost]() for _ in works]
     for _ in range(repeats):
-        for work, wall_s, cpu_s in zip(works, walls, cpus, strict=True):
-            if sum(cpu_s) >= budget_s:
-                continue
-            spent = timed(work)[1]
-            wall_s.append(spent.wall_s)
-            cpu_s.append(spent.cpu_s)
-    return [Cost(min(wall_s), min(cpu_s), len(wall_s)) for wall_s, cpu_s in zip(walls, cpus, strict=True)]
+        for work, mine in zip(works, spent, strict=True):
+            if sum(each.cpu_s for each in mine) < budget_s:
+                mine.append(timed(work)[1])
+    return [Cost(min(each.wall_s for each in mine), min(each.cpu_s for each in mine), len(mine)) for mine in spent]
 
 
 def peak_memory_mb() -> float:

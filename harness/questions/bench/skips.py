@@ -177,30 +177,42 @@ PULSE: Final = {
 
 def _measured(skip: str, engine: Engine, scenes: Sequence[Scene]) -> SkipRow:
     """The cost of some scenes with a skip and without it, what it changes, and of one skip alone how far rotations part."""
-    on, off = LEVERS[skip]
-    alone = skip != TOGETHER
-    expected_rad = RESOLVED_RAD if alone else ENGINE_ACCURACY_RAD
     # Once before it is timed: what is compiled and loaded then is no run's.
-    simulate(engine, scenes[0], on, expected_rad)
-    row = SkipRow(skip, engine.name, len(scenes))
-    apart = own = 0.0
-    steps = [0, 0]
-    for scene in scenes:
-        works = [partial(simulate, engine, scene, options, expected_rad) for options in (on, off)]
-        (first, once_on), (second, once_off) = (timed(work) for work in works)
-        with_it, without = costs(works, AGAIN, AGAIN_S, [once_on, once_off])
-        outcomes = tuple(sorted({*row.outcomes, first.outcome.value}))
-        row = replace(row, on_s=row.on_s + with_it.cpu_s, off_s=row.off_s + without.cpu_s, outcomes=outcomes)
-        if text := other_outcome(scene, first, second):
-            if decides_nothing(engine, scene, second, expected_rad):
-                row = replace(row, unsettled=(*row.unsettled, text))
-            else:
-                row = replace(row, changed=(*row.changed, text))
-        if alone:
-            apart = max(apart, difference(first, second))
-            own = max(own, own_error_rad(engine, scene, off, second))
-            steps = [steps[0] + first.steps, steps[1] + second.steps]
-    return replace(row, apart_rad=apart, own_rad=own, steps=steps) if alone else row
+    simulate(engine, scenes[0], LEVERS[skip][0], ENGINE_ACCURACY_RAD if skip == TOGETHER else RESOLVED_RAD)
+    return _summed([_of_scene(skip, engine, scene) for scene in scenes])
+
+
+def _of_scene(skip: str, engine: Engine, scene: Scene) -> SkipRow:
+    on, off = LEVERS[skip]
+    expected_rad = ENGINE_ACCURACY_RAD if skip == TOGETHER else RESOLVED_RAD
+    works = [partial(simulate, engine, scene, options, expected_rad) for options in (on, off)]
+    (first, once_on), (second, once_off) = (timed(work) for work in works)
+    with_it, without = costs(works, AGAIN, AGAIN_S, [once_on, once_off])
+    other = [text] if (text := other_outcome(scene, first, second)) else []
+    row = SkipRow(skip, engine.name, 1, with_it.cpu_s, without.cpu_s, other, outcomes=[first.outcome.value])
+    if other and decides_nothing(engine, scene, second, expected_rad):
+        row = replace(row, changed=(), unsettled=other)
+    if skip == TOGETHER:
+        return row
+    apart_rad, own_rad = difference(first, second), own_error_rad(engine, scene, off, second)
+    return replace(row, apart_rad=apart_rad, own_rad=own_rad, steps=[first.steps, second.steps])
+
+
+def _summed(rows: Sequence[SkipRow]) -> SkipRow:
+    """One row of those of one skip and engine; the first that says what is missing, where one does."""
+    missing = next((row for row in rows if row.failed), None)
+    return missing or replace(
+        rows[0],
+        scenes=sum(row.scenes for row in rows),
+        on_s=sum(row.on_s for row in rows),
+        off_s=sum(row.off_s for row in rows),
+        changed=tuple(text for row in rows for text in row.changed),
+        unsettled=tuple(text for row in rows for text in row.unsettled),
+        outcomes=tuple(sorted({outcome for row in rows for outcome in row.outcomes})),
+        apart_rad=max((row.apart_rad for row in rows if row.apart_rad is not None), default=None),
+        own_rad=max((row.own_rad for row in rows if row.own_rad is not None), default=None),
+        steps=[sum(each) for each in zip(*(row.steps or () for row in rows), strict=True)] or None,
+    )
 
 
 def own_error_rad(engine: Engine, scene: Scene, options: RunOptions, run: Run) -> float:
@@ -215,19 +227,7 @@ def own_error_rad(engine: Engine, scene: Scene, options: RunOptions, run: Run) -
 
 def together(rows: Sequence[SkipRow]) -> list[SkipRow]:
     """One row for each engine, over all statues and records; the sentence of what is missing where a record is."""
-    return [
-        next((row for row in mine if row.failed), None)
-        or replace(
-            mine[0],
-            scenes=sum(row.scenes for row in mine),
-            on_s=sum(row.on_s for row in mine),
-            off_s=sum(row.off_s for row in mine),
-            changed=tuple(text for row in mine for text in row.changed),
-            unsettled=tuple(text for row in mine for text in row.unsettled),
-            outcomes=tuple(sorted({outcome for row in mine for outcome in row.outcomes})),
-        )
-        for mine in grouped((row.engine, row) for row in rows).values()
-    ]
+    return [_summed(mine) for mine in grouped((row.engine, row) for row in rows).values()]
 
 
 def together_findings(rows: Sequence[SkipRow]) -> list[Finding]:

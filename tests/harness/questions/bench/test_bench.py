@@ -194,6 +194,9 @@ def test_the_rows_of_a_study_are_summed_by_engine() -> None:
     assert both == SkipRow("all together", "pymunk", 6, 2.0, 8.0, ("a",), outcomes=("lift_off", "stands"))
     assert both.gain == 4.0
     assert failed.failed == "why"
+    alone = [replace(rows[0], apart_rad=1e-6, own_rad=1e-5, steps=(3, 4))]
+    (row,) = skips.together([*alone, replace(alone[0], apart_rad=2e-6, own_rad=0.0, steps=(1, 2))])
+    assert (row.apart_rad, row.own_rad, row.steps) == (2e-6, 1e-5, [4, 6])
 
 
 def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
