@@ -63,7 +63,7 @@ def models_table(record: AssessRecord, say: Language) -> Table | None:
         {"model": name, "probability": _probability(item, say), "interval": _between(say, item),
          "draws": item.draws, "runs": item.engine_runs, "undecided": say.value(item.undecided, "share")}
         if isinstance(item, Assessment) else
-        {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item else "",
+        {"model": name, "probability": say("text.not_assessed"), "interval": item.message if item and not item.runs else "",
          **dict.fromkeys(("draws", "runs", "undecided"), "")}
         for name, item in record.assessment.items()
     ]  # fmt: skip

@@ -191,7 +191,8 @@ def assess(
             answer = estimated(runs)
             fell[name] = runs.fell
             if answer.undecided == 1.0:
-                answers[name] = NotAssessed("", answer.engine_runs)
+                message = f"none of its {answer.engine_runs} runs came to an end (rockcheck run -e {name} says why)"
+                answers[name] = NotAssessed(message, answer.engine_runs)
                 continue
             planar = engines.load(name).capabilities.dimensions < SPACE_DIMENSIONS
             answers[name] = replace(answer, plane_only=planar and across)
