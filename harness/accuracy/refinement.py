@@ -375,10 +375,12 @@ def _left(spreads: list[Spread], target: Error) -> Error:
 
 
 def _held_until_s(spreads: list[Spread], agreements: int) -> float:
-    """Until when the last comparison holds, and those before it that are needed nearly, or the last one holds clearly."""
-    last = spreads[-1]
-    before = [item.near_s for item in spreads[-agreements:-1]]
-    return max(last.clear_s, min([last.until_s, *before]) if len(before) == agreements - 1 else 0.0)
+    """Until when the last comparison holds, and the one before it if there is one or one is needed, or the last one clearly.
+
+    One that does not hold to the end is luck where runs part: up to an event at which the two before parted its two may agree.
+    """
+    both_s = min(item.until_s for item in spreads[-2:])
+    return max(spreads[-1].clear_s, both_s if len(spreads) >= agreements else 0.0)
 
 
 def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float, small_rad: float | None) -> Finding:

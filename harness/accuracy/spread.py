@@ -68,7 +68,7 @@ class Spread:
     """Difference of two runs: largest up to `until_s`, the last instant before it says that the target is missed.
 
     Where events are not located, differences count `plain_share` times.
-    `clear_s` and `near_s` are the same for the target over `CLEAR` and for `CLEAR` times the target.
+    `clear_s` is the same for the target over `CLEAR`.
     `coarse_dt_s`, `fine_dt_s`: their steps. `apart`: largest difference to the end, infinite where the ends differ.
     """
 
@@ -79,7 +79,6 @@ class Spread:
     fine_dt_s: float
     apart: Error = Error(math.inf, math.inf)
     clear_s: float = 0.0
-    near_s: float = 0.0
 
     @property
     def stated(self) -> Error:
@@ -129,10 +128,9 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
     limit = limit or target.times(1.0 / factor(*steps))
     share = np.maximum(turned / limit.rotation_rad, slid / limit.slip_m)
     # How many instants come before the first at which they are further apart than that.
-    counts = [int(np.argmax(np.append(share > most, True))) for most in (1.0, 1.0 / CLEAR, CLEAR)]
-    _, clear, near = (fine.end_s if count == share.size else float(times[max(count - 1, 0)]) for count in counts)
-    whole = counts[0] == share.size and (same_end or coarse.outcome == fine.outcome)
-    within = share.size if whole else min(counts[0], share.size - 1)
+    met, clear = (int(np.argmax(np.append(share > most, True))) for most in (1.0, 1.0 / CLEAR))
+    whole = met == share.size and (same_end or coarse.outcome == fine.outcome)
+    within = share.size if whole else min(met, share.size - 1)
     until_s = fine.end_s if whole else float(times[max(within - 1, 0)])
     return Spread(
         _largest(turned[:within], slid[:within]),
@@ -140,8 +138,7 @@ def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) ->
         whole,
         *steps,
         apart=_largest(turned, slid) if whole or same_end else Error(math.inf, math.inf),
-        clear_s=min(clear, until_s),
-        near_s=near,
+        clear_s=until_s if clear == share.size else min(float(times[max(clear - 1, 0)]), until_s),
     )
 
 
