@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final, cast, final
 
 from analytic.excitation import ZeroExcitation
-from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings
+from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings, own_settings
 from harness.model.finding import Finding, Severity, caution, changes_answer, info
 from harness.model.history import History, Outcome
 from harness.model.run import SAME_END, Capabilities, Pattern, PatternName, Run, RunOptions
 from harness.model.scene import BaseExcitation, Scene
-from harness.model.two_block import block_of as block_of
-from harness.model.two_block import keywords as keywords
-from harness.model.two_block import wall_of as wall_of
+from harness.model.two_block import block_of, keywords
 
 if TYPE_CHECKING:
     from analytic import Certified, CommonKeywords, Solution
@@ -62,7 +60,7 @@ class TwoBlock(Engine):
 
     def verification_settings(self, scene: Scene, settings: Settings) -> tuple[Settings, ...]:
         """A hundredth of the aimed error, and short steps."""
-        accuracy = own(settings).accuracy_rad
+        accuracy = own_settings(self.name, TwoBlockSettings, settings).accuracy_rad
         return (
             TwoBlockSettings(0.0, accuracy, 0.01 * accuracy),
             TwoBlockSettings(VERIFICATION_STEP_S, accuracy, accuracy, VERIFICATION_STEP_S),
@@ -73,7 +71,7 @@ class TwoBlock(Engine):
         from analytic import AnalyticInputError, certify, simulate
         from analytic.solver import run as compiled
 
-        chosen = own(settings)
+        chosen = own_settings(self.name, TwoBlockSettings, settings)
         keep = options.history or not options.allows("no_history")
         given: CommonKeywords = {
             **keywords(scene),
@@ -129,13 +127,6 @@ def by_other_impact(scene: Scene) -> tuple[Run, float | None]:
     # Both compute the same numbers up to there.
     parts = (min(a.time_s, b.time_s) for a, b in zip(usual.events, other.events, strict=False) if a != b)
     return _run(scene, TwoBlockSettings(0.0, ACCURACIES_RAD[-1]), other, 0.0, keep=True), next(parts, None)
-
-
-def own(settings: Settings) -> TwoBlockSettings:
-    """Settings as those of this engine."""
-    if isinstance(settings, TwoBlockSettings):
-        return settings
-    return TwoBlockSettings(settings.dt_s, settings.expected_error_rad)
 
 
 def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
@@ -225,9 +216,8 @@ def _from(run: Solution, time_s: float, found: Finding) -> Finding:
 
 def stated_settings(settings: TwoBlockSettings) -> Mapping[str, object]:
     """The settings as a run states them: what is not in use is left out."""
-    plain = settings.as_dict()
-    numbers = {name: value for name, value in plain.items() if isinstance(value, int | float) and math.isfinite(value)}
-    return {name: value for name, value in numbers.items() if name != "dt_s" or value > 0.0}
+    unused = {"dt_s": 0.0, "step_cap_s": math.inf}
+    return {name: value for name, value in settings.as_dict().items() if value != unused.get(name)}
 
 
 def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: float, keep: bool) -> Run:

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Final, TypedDict, final
+from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,8 +152,7 @@ def problem_of(scene: Scene) -> Problem:
     # What is thrown may land on any of its points; what stands touches with its base.
     feet = np.asarray(statue.feet_m, dtype=np.float64) - [0.0, 0.0, statue.centroid_height_m]
     vertices = feet if pose is None else statue.outer_points_m
-    start = _leaning(scene, vertices) if pose is None else _thrown(pose)
-    motion = scene.base_excitation
+    start, motion = pose or _leaning(scene, vertices), scene.base_excitation
     return spatial.Problem(
         spatial.Body(statue.mass_kg, statue.inertia_tensor_kg_m2, vertices),
         scene.duration_s,
@@ -164,32 +163,16 @@ def problem_of(scene: Scene) -> Problem:
         motion.z,
         gravity_m_s2=scene.gravity_m_s2,
         restitution=scene.contact.restitution or 0.0,
-        **start,
+        position_m=start.position_m,
+        quaternion_wxyz=start.quaternion_wxyz,
+        velocity_m_s=start.velocity_m_s,
+        angular_velocity_rad_s=start.angular_velocity_rad_s,
+        # No rotation ends what is thrown.
+        overturn_rad=OVERTURN_RAD + BEYOND_RAD if pose is None else math.tau,
     )
 
 
-class Start(TypedDict):
-    """How a body begins, and from which rotation it counts as overturned."""
-
-    position_m: Sequence[float]
-    quaternion_wxyz: Sequence[float]
-    velocity_m_s: Sequence[float]
-    angular_velocity_rad_s: Sequence[float]
-    overturn_rad: float
-
-
-def _thrown(pose: Pose) -> Start:
-    """A start in space; no rotation ends it."""
-    return {
-        "position_m": pose.position_m,
-        "quaternion_wxyz": pose.quaternion_wxyz,
-        "velocity_m_s": pose.velocity_m_s,
-        "angular_velocity_rad_s": pose.angular_velocity_rad_s,
-        "overturn_rad": math.tau,
-    }
-
-
-def _leaning(scene: Scene, vertices: Array) -> Start:
+def _leaning(scene: Scene, vertices: Array) -> Pose:
     """A start in the rocking plane, turned and turning about the lowest vertex."""
     theta, rate = scene.initial.theta_rad, scene.initial.theta_rate_rad_s
     c, s = math.cos(theta), math.sin(theta)
@@ -198,13 +181,9 @@ def _leaning(scene: Scene, vertices: Array) -> Start:
     side = math.copysign(1.0, theta or rate)
     lowest = int(np.argmin(turned[:, 2] - 1e-9 * side * vertices[:, 0]))
     place = np.array([vertices[lowest, 0], 0.0, 0.0]) - turned[lowest] * [1.0, 0.0, 1.0]
-    return {
-        "position_m": tuple(place),
-        "quaternion_wxyz": (math.cos(0.5 * theta), 0.0, math.sin(0.5 * theta), 0.0),
-        "velocity_m_s": (-rate * turned[lowest, 2], 0.0, rate * turned[lowest, 0]),
-        "angular_velocity_rad_s": (0.0, rate, 0.0),
-        "overturn_rad": OVERTURN_RAD + BEYOND_RAD,
-    }
+    turn = (math.cos(0.5 * theta), 0.0, math.sin(0.5 * theta), 0.0)
+    moving = (-rate * turned[lowest, 2], 0.0, rate * turned[lowest, 0])
+    return Pose(tuple(place), turn, moving, (0.0, rate, 0.0))
 
 
 def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:

@@ -20,8 +20,7 @@ from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
-from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch
-from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
+from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch, plain_steps, refuse_steering
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Final
 
 from pymunk._chipmunk_cffi import lib
 
-from harness.engines.pymunk import native
+from harness.engines.pymunk import MunkSettings, native
 from harness.engines.pymunk.native import State
-from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import World
 from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, Vector

@@ -12,13 +12,11 @@ from dataclasses import replace
 from typing import ClassVar, Final, final
 
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, near, own_settings
-from harness.engines.pymunk import SLOP_RAD_S, Munk2D, refuse_out_of_plane, resolution_rad
-from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk import SLOP_RAD_S, Munk2D, MunkSettings, refuse_out_of_plane, resolution_rad
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import step_count
-from harness.engines.stepping.loop import WallWatch, Watch
-from harness.engines.stepping.plain_steps import plain_steps, refuse_steering
+from harness.engines.stepping.loop import WallWatch, Watch, plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog

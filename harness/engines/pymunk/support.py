@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.engines.pymunk import MunkSettings
 from harness.engines.pymunk.native import State
-from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.step_log import Ledger
 from harness.model.scene import Scene
 from meshes.footprint import lower_chain

@@ -10,8 +10,7 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from harness.engines.pymunk import native
-from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk import MunkSettings, native
 from harness.engines.stepping.forces import pedestal_inertia_kg_m2
 from harness.engines.stepping.support import FLAT_M
 from harness.model.scene import Pose, Scene

@@ -4,5 +4,5 @@ In the order in which a run passes them: `schedule` and `frame` (gravity or tabl
 to stop, the map of an impact), `step_state` (what an engine offers, one step with two coefficients, the two clocks of places
 and of velocities, what is written to a body). What comes next is told by `contact_gaps`; `settings` holds the numbers of all
 these. `coulomb` accounts for the friction that acted; `step_log` and `columns` hold what was passed, `reduce` makes the record of
-it (with `support` and `forces`); `plain_steps` is the loop of unmodified engines.
+it (with `support` and `forces`).
 """

@@ -1,4 +1,4 @@
-"""The loop: whole steps, shorter ones around events, when to stop."""
+"""The loops: whole steps, shorter ones around events, when to stop; and the plain one of unmodified engines."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.engines.base import MOVING_TABLE, refuse
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.contact_gaps import ContactGaps
+from harness.engines.stepping.coulomb import followed, stuck_below_m_s
 from harness.engines.stepping.frame import fallen, greatest_pull_m_s2, matrices
 from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
-from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of
-from harness.engines.stepping.step_state import ContactTimeEstimate, HalfCycle, Stepper, StepState
+from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, base_velocity
+from harness.engines.stepping.step_state import Backend, ContactTimeEstimate, HalfCycle, Stepper, StepState
 from harness.engines.stepping.support import wall_touch
 from harness.model.scene import Scene
 from harness.statics.plan import LimitsOfRest
@@ -29,64 +31,30 @@ IMPOSED_LABEL: Final = "impact law imposed"
 """Label of a run whose impacts are the model's: it tests the motion between impacts, not the impact."""
 
 
-@dataclass(frozen=True)
-class Impact:
-    """State after an impact: rates, and the floor's impulses."""
+def imposed_rates(
+    scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_s: float, stuck: bool
+) -> tuple[float, float]:
+    """Rate of rotation, rad/s, and of the pedestal's slip, m/s, after an impact of the scene's prescribed ratio.
 
-    theta_rate_rad_s: float
-    slip_rate_m_s: float
-    normal_n_s: float
-    friction_n_s: float
-
-
-def impact(scene: Scene, *, old_side: int, theta_rate_rad_s: float, slip_rate_m_s: float, stuck: bool) -> Impact:
-    """Rates after the statue, rocking about the corner `old_side` (+1 right, −1 left), meets its support.
-
-    With `scene.contact.restitution` a number that ratio is prescribed, else angular momentum about the new corner is kept.
-    Without a pedestal the support is held. `stuck` is the pedestal's state before the impact (docs/model.md, section 3).
+    The statue rocked about the corner `old_side` (+1 right, −1 left); without a pedestal the support is held. `stuck` is the
+    pedestal's state before the impact (docs/model.md, section 3).
     """
-    statue, pedestal = scene.statue, scene.pedestal
-    m, h = statue.mass_kg, statue.centroid_height_m
-    old, new = statue.corner_m(old_side), statue.corner_m(-old_side)
-    j_new = statue.inertia_kg_m2 + m * (h * h + new * new)
-    j_cross = statue.inertia_kg_m2 + m * (h * h - old * new)
-    ratio, rate, slip = scene.contact.restitution, theta_rate_rad_s, slip_rate_m_s
-
-    def normal_n_s(after: float) -> float:
-        return m * (new * abs(after) + old * abs(rate))
-
+    statue, pedestal, contact = scene.statue, scene.pedestal, scene.contact
+    after = (contact.restitution or 0.0) * theta_rate_rad_s
     if pedestal is None or scene.form.pedestal_at_impact == "unchanged":
-        after = max(ratio if ratio is not None else j_cross / j_new, 0.0) * rate
-        return Impact(after, slip, normal_n_s(after), 0.0)
-    total, lever = m + pedestal.mass_kg, m * h
-    limit = scene.contact.floor_static if stuck else scene.contact.floor_kinetic
-    slides = scene.contact.at_impact if stuck else scene.contact.floor_kinetic
-
-    # The pedestal is held: the friction impulse that this takes must be within the limit.
-    after = ratio * rate if ratio is not None else (j_cross * rate + lever * slip) / j_new
-    friction = lever * (after - rate) - total * slip
-    if after * rate >= 0.0 and abs(friction) <= limit * normal_n_s(after):
-        return Impact(after, 0.0, normal_n_s(after), friction)
-    # It slides, P_f = −μ_k P_n·sign, where the solution does not contradict its own signs.
-    turn = 1.0 if rate > 0.0 else -1.0
-    for sign in (1, -1):
-        # total·(u⁺ − u⁻) + m h (w⁺ − w⁻) = −μ_k·sign·m(new·w⁺ + old·w⁻)·turn, where w⁺ keeps the sign of w⁻.
-        drag = slides * sign * turn * m
-        if ratio is None:
-            # j_new w⁺ + m h u⁺ = j_cross w⁻ + m h u⁻, with u⁺ − u⁻ from the line above.
-            denominator = j_new - lever * (lever + drag * new) / total
-            if denominator <= 0.0:
-                continue
-            after = (j_cross - lever * (lever - drag * old) / total) * rate / denominator
-        slip_after = slip + (lever * (rate - after) - drag * (new * after + old * rate)) / total
-        if after * turn >= 0.0 and slip_after * sign > 0.0:
-            return Impact(after, slip_after, normal_n_s(after), -slides * normal_n_s(after) * sign)
-    # Both corners hold: the rotation ends, the pedestal takes the horizontal momentum.
-    normal, needed = normal_n_s(0.0), -total * slip - lever * rate
-    if abs(needed) <= limit * normal:
-        return Impact(0.0, 0.0, normal, needed)
-    friction = math.copysign(min(slides * normal, abs(needed)), needed)
-    return Impact(0.0, (friction - needed) / total, normal, friction)
+        return after, slip_rate_m_s
+    total = statue.mass_kg + pedestal.mass_kg
+    given = statue.mass_kg * statue.centroid_height_m * (theta_rate_rad_s - after)
+    old, new = statue.corner_m(old_side), statue.corner_m(-old_side)
+    speed = new * abs(after) + old * abs(theta_rate_rad_s)
+    limit, slides = contact.floor_kinetic, contact.floor_kinetic
+    if stuck:
+        limit, slides = contact.floor_static, contact.at_impact
+    # The friction impulse that holds the pedestal must be within the limit; else it slides on to where that does not hold it.
+    needed = total * slip_rate_m_s + given
+    if abs(needed) <= limit * (statue.mass_kg * speed):
+        return after, 0.0
+    return after, slip_rate_m_s + (given - math.copysign(slides * statue.mass_kg * speed, needed)) / total
 
 
 # What a run in progress is looked at for, and what ends it. While the statue rests on its base and the motion cannot move it,
@@ -213,7 +181,7 @@ def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
     if foot < 0 or heights[foot][1] >= 0.0:
         return None
     # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
-    soonest_s = -2.0 * heights[foot][1] / float(gaps.bounds[foot])
+    soonest_s = -2.0 * heights[foot][1] / gaps.bounds[foot]
     if soonest_s > events.short_steps * step_s:
         return None
     return HalfCycle(
@@ -316,28 +284,22 @@ def impose(stepper: Stepper, scene: Scene, row: Row, lean_rad: float) -> Row:
     statue, side = scene.statue, 1 if row[11] < 0.0 else -1
     table_x, table_y, _ = stepper.table_rate
     slip = row[20] - table_x if len(row) > ALONE else 0.0
-    jump = impact(scene, old_side=side, theta_rate_rad_s=row[11], slip_rate_m_s=slip, stuck=stepper.stuck)
-    rate, base = jump.theta_rate_rad_s, jump.slip_rate_m_s + table_x
+    rate, slip = imposed_rates(scene, old_side=side, theta_rate_rad_s=row[11], slip_rate_m_s=slip, stuck=stepper.stuck)
+    base = slip + table_x
     # The old corner stays where it stands; the centroid comes to lie over the base again.
     old, new = side * statue.corner_m(side), -side * statue.corner_m(-side)
     shift = old * math.cos(lean_rad) - statue.centroid_height_m * math.sin(lean_rad) - old
     top, below = 0.0, row[ALONE:]
     if scene.pedestal is not None:
         top = row[15] + 0.5 * scene.pedestal.height_m
-        stepper.set_sliding(jump.slip_rate_m_s != 0.0)
+        stepper.set_sliding(slip != 0.0)
         below = (*row[13:20], base, table_y, 0.0, 0.0, 0.0, 0.0)
     height = top - stepper.backend.depth_m + statue.centroid_height_m
     velocity = (base + rate * statue.centroid_height_m, table_y, rate * new)
-    upright = (row[0] + shift, row[1], height, *_level(row[3:7], lean_rad), *velocity, 0.0, rate, 0.0)
+    turn = advanced((*row[:10], 0.0, -1.0, 0.0), lean_rad)[3:7]
+    upright = (row[0] + shift, row[1], height, *turn, *velocity, 0.0, rate, 0.0)
     stepper.writer.write("imposed_impact", row, upright + below)
     return stepper.backend.read()
-
-
-def _level(turn: Row, lean_rad: float) -> tuple[float, float, float, float]:
-    """A quaternion turned back by a lean about y."""
-    x, y, z, w = turn
-    s, c = math.sin(-0.5 * lean_rad), math.cos(-0.5 * lean_rad)
-    return (c * x + s * z, c * y + s * w, c * z - s * x, c * w - s * y)
 
 
 RESTING_FREE: Final = 4
@@ -536,3 +498,55 @@ class StillWatch:
         upright = max(abs(zx - rest[0]), abs(zy - rest[1])) < STILL_LEAN_RAD
         self.count = self.count + 1 if upright and max(map(abs, moving)) < STILL_M_S else 0
         return self.count >= STILL_CHECKS
+
+
+# Whole steps of an unmodified engine: nothing is located, none is solved again, and no body is written to.
+# What a contact engine could compute only by writing to its bodies: unmodified engines refuse it.
+
+
+def refuse_steering(scene: Scene, name: str) -> None:
+    """Raise `EngineFailure`, in the name of the plain engine, for what can be had only by writing to bodies."""
+    imposed = "a prescribed ratio at impact (contact.restitution; it would have to be imposed on the bodies)"
+    asked = {
+        # A body thrown in space bounces by the engine's own coefficient of restitution, without a write.
+        imposed: scene.contact.restitution is not None and scene.initial.pose is None,
+        MOVING_TABLE: scene.table == "moving",
+    }
+    refuse(name, asked, name.removesuffix(":plain"))
+
+
+def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:
+    """All steps of a schedule, or those up to a look at which `watch` ends the run: overturned, stopped, or to leave this world.
+
+    Two coefficients of friction are the one thing that no engine knows: the floor's follows the pedestal's own velocity
+    (`followed`).
+    """
+    step_s, contact = schedule.step_s, schedule.scene.contact
+    rest_m_s = stuck_below_m_s(schedule.scene, step_s)
+    row, acting, slips = backend.read(), contact.floor_static, (0.0, 0.0)
+    pedestal = None if contact.floor_static == contact.floor_kinetic else schedule.scene.pedestal
+    record = StepLog.begun(row, 0.0)
+    for number, gravity in enumerate(schedule.coarse, 1):
+        before, row = row, backend.advance(gravity)
+        record.keep(number * step_s, (number - 0.5) * step_s, row)
+        if pedestal is not None:
+            # Asked after a step, for the next: in the one in which the pedestal breaks loose the static coefficient still acts.
+            slipped, slips = slips, base_velocity(pedestal.half_m, before, row)
+            wanted = followed(contact, rest_m_s, slipped, slips)
+            if wanted != acting:
+                backend.set_floor_friction(wanted)
+                acting = wanted
+        if number % LOOK_STEPS == 0 and _ended(schedule.scene, watch, number * step_s, row):
+            break
+        if watch.wall is not None and number % WALL_STEPS == 0 and watch.wall.ends(record):
+            break
+    return record
+
+
+def _ended(scene: Scene, watch: Watch, t_s: float, row: Row) -> bool:
+    x, y, z = axis_of(row, watch.axis)
+    if watch.ends_fallen and scene.initial.pose is None and fallen(x, y, z):
+        return True
+    if watch.stop is not None and watch.stop(t_s, math.atan2(x, z)):
+        return True
+    return watch.leave is not None and watch.leave(row)

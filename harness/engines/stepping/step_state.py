@@ -20,6 +20,7 @@ from harness.engines.stepping import settings
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import SLIP_ONSET, Pair
 from harness.engines.stepping.forces import pedestal_inertia_kg_m2
+from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import (
     ALONE,
@@ -91,8 +92,8 @@ class Backend(Protocol):
 
 # Whether each body's momentum, and its turning in the plane, changed by what the engine's own contacts gave it, and by the
 # pull. At every impact, which moves nothing, with what was written after it, and over a whole step now and then. The impulses
-# are those that the engine reports, the pull is taken from the scene: what the layer believes of either is not asked. Both
-# engines keep this balance to rounding.
+# are those that the engine reports, and the pull of a step is not the one that whole steps are given: what the layer believes of
+# either is not asked. Both engines keep this balance to rounding.
 
 
 MOST_UNBALANCED: Final = 1e-6
@@ -111,29 +112,15 @@ class Balance:
 
     def __init__(self, scene: Scene, axes: Array | None) -> None:
         """`axes` (3, 3) holds the statue's principal axes as columns (None: a planar engine)."""
-        self.scene, self.planar, self.next = scene, axes is None, 0
-        statue = scene.statue
+        statue, pedestal = scene.statue, scene.pedestal
         # In the frame of a row's quaternion; a planar body has one number, that of its scene.
-        inside = (
+        self.inertia = (
             np.diag([0.0, statue.inertia_kg_m2, 0.0]) if axes is None else axes.T @ statue.inertia_tensor_kg_m2 @ axes
         )
-        self.inertia = inside.tolist()
-        self.arm_m = scene.statue.centroid_height_m
-        pedestal = scene.pedestal
-        self.masses = [scene.statue.mass_kg, *([] if pedestal is None else [pedestal.mass_kg])]
+        self.next, self.arm_m = 0, statue.centroid_height_m
+        self.masses = [statue.mass_kg, *([] if pedestal is None else [pedestal.mass_kg])]
         self.missing: dict[tuple[str, str], float] = {}
         self.size: dict[tuple[str, str], float] = {}
-
-    def pull_m_s(self, from_s: float, to_s: float) -> Vector:
-        """What weight and the motion of the floor's frame change velocities by; a table that moves is none."""
-        motion = self.scene.base_excitation
-        parts = [0.0, 0.0, -self.scene.gravity_m_s2 * (to_s - from_s)]
-        if self.scene.table != "moving":
-            for axis, part in enumerate((motion.x, motion.y, motion.z)):
-                if axis == 1 and self.planar:
-                    continue
-                parts[axis] -= part.velocity_at(to_s) - part.velocity_at(from_s)
-        return parts[0], parts[1], parts[2]
 
     def add(self, of: str, before: Row, after: Row, impulses: Sequence[Impulse], pull_m_s: Vector) -> None:
         """Compare two rows with what the contacts gave each body between them; none where the engine cannot say."""
@@ -154,22 +141,11 @@ class Balance:
         # What turns out of the plane has a gyroscopic torque besides.
         aside = max(abs(row[n]) for row in (before, after) for n in (10, 12))
         if of == IMPACT or aside <= ROUNDED_OFF * abs(before[11]):
-            inertia, moment = self._inertia(before), impulses[0][1][1]
-            gained = sum(each * (after[10 + n] - before[10 + n]) for n, each in enumerate(inertia))
-            turned = abs(sum(each * after[10 + n] for n, each in enumerate(inertia))) + self.arm_m * (largest + moved)
-            self._count((of, "statue_turning"), abs(gained - moment), abs(moment), turned)
-
-    def _inertia(self, row: Row) -> Vector:
-        """Row of the statue's inertia in the world's axes, kg m², that gives the angular momentum about y."""
-        x, y, z, w = row[3:7]
-        turn = (
-            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
-            (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
-            (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
-        )
-        across = [sum(each * turn[1][n] for n, each in enumerate(line)) for line in self.inertia]
-        a, b, c = (sum(each * across[n] for n, each in enumerate(line)) for line in turn)
-        return a, b, c
+            (turn,), moment = matrices(np.array([before[3:7]])), impulses[0][1][1]
+            # Of the inertia in the world's axes the row that gives the angular momentum about y.
+            was, now = np.array([before[10:13], after[10:13]]) @ turn @ self.inertia @ turn[1]
+            turned = abs(now) + self.arm_m * (largest + moved)
+            self._count((of, "statue_turning"), float(abs(now - was - moment)), abs(moment), float(turned))
 
     def _count(self, of: tuple[str, str], missing: float, impulse: float, moved: float) -> None:
         self.missing[of] = self.missing.get(of, 0.0) + missing
@@ -492,7 +468,7 @@ class ContactTimeEstimate:
         return gap, closing
 
     def _gain(self, before_m_s: float, before_s: float) -> None:
-        most = float(self.gaps.bounds[self.foot])
+        most = self.gaps.bounds[self.foot]
         self.gained_m_s2 = min(max((self.closing_m_s - before_m_s) / (self.kick_s - before_s), -most), most)
 
     def _gathers(self, closing_m_s: float) -> float:
@@ -502,7 +478,7 @@ class ContactTimeEstimate:
 
     def _height(self, row: Row) -> tuple[float, float]:
         stepper = self.state.stepper
-        return self.gaps.height(self.foot, row, stepper.table_place[2], stepper.table_rate[2])
+        return self.gaps.heights(row, stepper.table_place[2], stepper.table_rate[2])[self.foot]
 
 
 @dataclass(slots=True)
@@ -661,7 +637,7 @@ class StepState:
         balance.next = self.number + AFTER_STEPS
         before, (owed_x, owed_z) = record.row(-2), backend.owed_m_s
         begun = (*before[:7], before[7] - owed_x, before[8], before[9] - owed_z, *before[10:])
-        pull_m_s = balance.pull_m_s(record.kick_s[-2], record.kick_s[-1])
+        pull_m_s = self.schedule.between(record.kick_s[-2], record.kick_s[-1], 1.0)
         balance.add(STEP, begun, self.row, backend.impulses(before), pull_m_s)
 
     def rest(self, count: int) -> None:

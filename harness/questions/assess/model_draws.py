@@ -16,9 +16,9 @@ from pydantic import JsonValue, ValidationError
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness import engines
-from harness.engines import analytic as twoblock
 from harness.engines import stands_alone
 from harness.input.uncertain import assumption
+from harness.model import two_block as twoblock
 from harness.model.errors import InputError, Mistake
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene, Uncertain, written

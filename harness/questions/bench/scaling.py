@@ -91,7 +91,7 @@ def _prism(vertices: int) -> Scene:
 def _ensemble(runs: int) -> Callable[[], object]:
     """So many outcomes of the analytic model, over amplitudes."""
     from analytic import ensemble
-    from harness.engines.analytic import block_of
+    from harness.model.two_block import block_of
 
     scene = scene_of("many", {"duration_s": 10.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)})
     sweep = {"amplitude_m_s2": np.linspace(0.1, 0.5, runs) * scene.gravity_m_s2}

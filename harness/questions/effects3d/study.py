@@ -188,7 +188,7 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
     Every statue has two corners (a ragged base counts as its outer ones). Raises `InputError`.
     """
     from analytic import Block, ensemble
-    from harness.engines.analytic import keywords
+    from harness.model.two_block import keywords
 
     changed = changed_scene(scene, BASELINE, azimuth_deg)
     statue, unit = changed.statue, peak_g(changed)

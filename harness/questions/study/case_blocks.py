@@ -25,7 +25,7 @@ from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.engines import analytic as twoblock
-from harness.engines.base import RELIABLE_RAD
+from harness.engines.base import RELIABLE_RAD, own_settings
 from harness.model.history import Outcome
 from harness.model.run import NUMBERS, to_plain
 from harness.model.run_set import column_of
@@ -178,7 +178,8 @@ class SweptRuns:
     def __init__(self, base: BaseScene, asked_rad: float) -> None:
         self._base, self._asked = base, asked_rad
         levels = engines.load(selection.REFERENCE).refinement_levels(base.scene({}))
-        chosen = twoblock.own(first_level(levels, self._asked, 1.0)[0])
+        level = first_level(levels, self._asked, 1.0)[0]
+        chosen = own_settings(selection.REFERENCE, twoblock.TwoBlockSettings, level)
         self.settings = twoblock.stated_settings(chosen)
         self._scenes = _scenes(base, min(RELIABLE_RAD, chosen.accuracy_rad))
         self._gathered: list[Shaken] = []

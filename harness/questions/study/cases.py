@@ -15,13 +15,13 @@ from pydantic import JsonValue, ValidationError
 from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
 from analytic.problem import Keywords, stated
 from analytic.sweep import Body, body_of
-from harness.engines import analytic as twoblock
 from harness.input import overrides, tables
 from harness.input import scene_file as load
 from harness.input.mistakes import mistakes_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Motion
 from harness.input.tables import SceneFile
+from harness.model import two_block as twoblock
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.study.file import Scatter, StudyFile, Value, Vary

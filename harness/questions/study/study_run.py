@@ -20,7 +20,7 @@ from typing import Any, Final
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.engines.base import EngineFailure
-from harness.engines.stepping.plain_steps import refuse_steering
+from harness.engines.stepping.loop import refuse_steering
 from harness.input.overrides import plain
 from harness.model.errors import InputError, Mistake
 from harness.model.run import NUMBERS, RunOptions, to_plain, versions

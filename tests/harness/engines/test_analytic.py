@@ -8,10 +8,11 @@ import pytest
 import analytic
 from analytic import Harmonic, Pulse, SampledAcceleration
 from harness import Outcome, Run, RunOptions
-from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings, block_of, keywords
+from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings
 from harness.engines.base import EngineFailure, Settings
 from harness.model.finding import Severity
 from harness.model.scene import BaseExcitation, Form, Pedestal, Scene, Wall
+from harness.model.two_block import block_of, keywords
 from tests import doubles
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, rectangle, scene
 
@@ -165,8 +166,9 @@ def test_what_the_library_refuses_is_an_engine_failure_in_its_words() -> None:
         run(beyond)
 
 
-def test_settings_of_another_engine_mean_the_finest() -> None:
-    assert run(paestum(duration_s=0.3), settings=Settings(1e-3, 1e-9)).settings["accuracy_rad"] == ACCURACIES_RAD[-1]
+def test_settings_of_another_engine_are_refused() -> None:
+    with pytest.raises(EngineFailure, match="analytic wants its own settings"):
+        run(paestum(duration_s=0.3), settings=Settings(1e-3, 1e-9))
     assert run(paestum(duration_s=0.3), settings=TwoBlockSettings(0.0, 1e-9, 1e-9)).settings["accuracy_rad"] == 1e-9
 
 

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.engines.pymunk import world
-from harness.engines.pymunk.settings import MunkSettings
+from harness.engines.pymunk import MunkSettings, world
 from tests import budgets_engines as budget
 from tests.measures import contact_engines
 from tests.scenes_for_tests import rectangle, scene
