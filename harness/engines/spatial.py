@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.base import MOVING_TABLE, RELIABLE_RAD, Engine, EngineFailure, Settings, own_settings, refuse
 from harness.engines.stepping import frame
@@ -17,14 +16,13 @@ from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import planar, statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
-from harness.model.history import Outcome
+from harness.model.history import Array, Outcome
 from harness.model.run import SAME_END, Capabilities, Run, RunOptions
 from harness.model.scene import OVERTURN_RAD, Pose, Scene
 
 if TYPE_CHECKING:
     from analytic.spatial import Certified, Problem, Solution
 
-Array = NDArray[np.float64]
 
 LEVELS: Final = ((1e-7, 1e-4), (1e-10, 1e-7), (1e-13, 1e-10))
 """(local error of a step, error of the rotation expected): rocking histories of some ten impacts amplify by up to a thousand."""

@@ -242,14 +242,19 @@ class BaseExcitation:
                 raise InputError(Mistake("BaseExcitation", axis, wanted, kind.__name__, advice))
 
     @property
+    def parts(self) -> tuple[Excitation, Excitation, Excitation]:
+        """The components along x, y and z."""
+        return self.x, self.y, self.z
+
+    @property
     def end_s(self) -> float:
         """After this time all components are exactly zero."""
-        return max(self.x.end_s, self.y.end_s, self.z.end_s)
+        return max(part.end_s for part in self.parts)
 
     @property
     def still(self) -> bool:
         """Whether the floor never moves."""
-        return all(isinstance(item, ZeroExcitation) for item in (self.x, self.y, self.z))
+        return all(isinstance(part, ZeroExcitation) for part in self.parts)
 
     def axes(self, dimensions: int = 3) -> tuple[str, ...]:
         """The axes along which the floor moves, of those that a model of 2 (x and z) or 3 dimensions is given."""

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.base import (
     VERIFICATION_EVENT_SHARE,
@@ -24,6 +23,7 @@ from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.model.finding import Finding, caution, changes_answer
+from harness.model.history import Array
 from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from harness.engines.pybullet.pose import Setup
     from harness.engines.pybullet.run_phases import RunPhases
 
-Array = NDArray[np.float64]
 
 STEPS_S: Final = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
 ON_FLOOR_RAD: Final = (5e-4, 3e-4, 8e-5, 3.5e-5, 1.5e-5, 6e-6, 2e-6)

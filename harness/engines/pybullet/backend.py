@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import pybullet
 
 from harness.engines.pybullet.world import World
 from harness.engines.stepping import settings
 from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector, crossed
+from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.support import SLIDES_M_S
-
-if TYPE_CHECKING:
-    from harness.engines.stepping.step_state import StepState
-
 
 NEAR_M: Final = 1e-4
 """A foot further above its support than this rubs on nothing."""

@@ -18,6 +18,7 @@ from scipy.spatial import ConvexHull
 from harness.engines.stepping.contact_gaps import past_edge_m
 from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.step_log import ALONE, Row
+from harness.model.history import Array
 from harness.model.scene import OVERTURN_RAD, Statue
 
 # When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's plane beside it.
@@ -25,7 +26,6 @@ from harness.model.scene import OVERTURN_RAD, Statue
 # Above that plane nothing but the plane itself can touch a convex body, and it does so at vertices: the feet are exact. Beside
 # the top that plane is not there: a vertex about to come down to it must find the pedestal's edges instead.
 
-Array = NDArray[np.float64]
 
 DEPTH_M: Final = 1e-4
 """Nearer than this a vertex counts as touching; deeper is beyond any contact's penetration, and where the inset hull begins."""

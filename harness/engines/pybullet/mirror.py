@@ -13,13 +13,11 @@ from dataclasses import replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.pybullet.settings import BulletSettings
+from harness.model.history import Array
 from harness.model.scene import Scene
 from harness.statics.plan import SAME, asymmetry
-
-Array = NDArray[np.float64]
 
 TURN_RAD: Final = 0.25 * math.pi
 """The other heading: half-way between Bullet's axes, where its friction leans to neither."""

@@ -28,8 +28,8 @@ from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene
 
 if TYPE_CHECKING:
-    from harness.engines.pybullet.full import FullShape
     from harness.engines.pybullet.pose import Setup
+    from harness.engines.pybullet.shapes import FullShape
     from harness.engines.pybullet.world import World
 
 LEVELS: Final = (
@@ -121,7 +121,7 @@ def _integrate(scene: Scene, settings: BulletSettings, setup: Setup, options: Ru
     """All samples, and what the full shape was, None where the vertices that touch were enough."""
     from harness.engines.pybullet.backend import BulletBackend
     from harness.engines.pybullet.feet import EdgeWatch
-    from harness.engines.pybullet.full import full_shape
+    from harness.engines.pybullet.shapes import full_shape
     from harness.engines.pybullet.world import World
 
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from harness.engines.pybullet import feet, mirror
 from harness.engines.pybullet.feet import Rest
 from harness.engines.stepping.step_log import Row, Vector
+from harness.model.history import Array
 from harness.model.scene import Scene, Statue
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,19 +116,5 @@ def about_y(theta_rad: float) -> Array:
 
 def quaternion(rotation: Array) -> tuple[float, float, float, float]:
     """Quaternion (x, y, z, w), w ≥ 0, of a rotation matrix (3, 3)."""
-    trace = float(np.trace(rotation))
-    # From the largest of the four: it is divided by (Shepperd, Journal of Guidance and Control 1, 1978).
-    square = np.array([*(1.0 - trace + 2.0 * np.diag(rotation)), 1.0 + trace])
-    k = int(np.argmax(square))
-    size = math.sqrt(float(square[k]))
-    r = rotation
-    skew = (r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1])
-    if k == 3:
-        quaternion = np.array([*skew, size * size]) / (2.0 * size)
-    else:
-        quaternion = np.empty(4)
-        for j in range(3):
-            quaternion[j] = size / 2.0 if j == k else (r[j, k] + r[k, j]) / (2.0 * size)
-        quaternion[3] = skew[k] / (2.0 * size)
-        quaternion = quaternion if quaternion[3] >= 0.0 else -quaternion
-    return float(quaternion[0]), float(quaternion[1]), float(quaternion[2]), float(quaternion[3])
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat(canonical=True).tolist()
+    return x, y, z, w

@@ -9,9 +9,9 @@ from typing import Final
 from harness.engines.pybullet import mirror
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.feet import EdgeCrossing, EdgeWatch
-from harness.engines.pybullet.full import FullShape, full_shape
 from harness.engines.pybullet.pose import Setup, vector
 from harness.engines.pybullet.settings import BulletSettings
+from harness.engines.pybullet.shapes import FullShape, full_shape
 from harness.engines.pybullet.world import World, at_rest
 from harness.engines.stepping import loop
 from harness.engines.stepping.contact_gaps import ContactGaps

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from harness.engines.base import EngineFailure
-from harness.model.scene import Pedestal
-
-Array = NDArray[np.float64]
+from harness.engines.pybullet.feet import CACHED_STATUES, hull_vertices
+from harness.model.history import Array
+from harness.model.scene import Pedestal, Scene, Statue
+from harness.statics.plan import shape_needed
+from meshes.collision import thinned
 
 MARGIN_M: Final = 1e-3
 """What Bullet adds to a hull of its own accord, rounding its edges."""
@@ -175,3 +178,62 @@ def plane(normal: tuple[float, float, float], client: int) -> int:
     """Half-space below a plane through its body's origin."""
     shape: Any = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=list(normal), physicsClientId=client)
     return int(shape)
+
+
+# What of the statue meets a pedestal's edge: convex bodies in its place, its hull or the parts of a decomposition.
+
+Kind = Literal["hull", "parts"]
+
+HULL_VERTICES: Final = 256
+"""Budget of the hull drawn inside: of a scan's several hundred corners those left out stand out by about a millimetre at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class FullShape:
+    """Convex bodies (k, 3) each, statue frame, drawn inside the statue; `no_parts` says why they are its hull where it
+    needs convex parts."""
+
+    kind: Kind
+    bodies_m: tuple[Array, ...]
+    no_parts: str = ""
+
+    @property
+    def note(self) -> str:
+        """What it is, for the record."""
+        return "hull" if self.kind == "hull" else f"{len(self.bodies_m)} convex parts"
+
+    def turned(self, statue: Statue, axes: Array) -> tuple[Array, ...]:
+        """The bodies about the statue's centroid along `axes` (3, 3), given as columns."""
+        centroid_m = np.array([0.0, 0.0, statue.centroid_height_m])
+        return tuple((points - centroid_m) @ axes for points in self.bodies_m)
+
+
+def full_shape(scene: Scene, wish: Literal["needed", "hull", "parts"] = "needed") -> FullShape:
+    """The shape that the scene needs, or the one wished; the hull, with the reason, where parts cannot be made."""
+    from meshes import MeshError
+
+    need = shape_needed(scene)
+    wanted = need.shape if wish == "needed" else wish
+    if wanted != "parts" or scene.statue.solid is None:
+        return FullShape("hull", _hull(scene.statue))
+    try:
+        return FullShape("parts", _parts(scene.statue))
+    except MeshError as error:
+        return FullShape("hull", _hull(scene.statue), str(error))
+
+
+@lru_cache(maxsize=CACHED_STATUES)
+def _hull(statue: Statue) -> tuple[Array, ...]:
+    # Moving the faces makes corners anew: more of them than there were.
+    return tuple(thinned(points, HULL_VERTICES)[0] for points in _drawn_inside((hull_vertices(statue),)))
+
+
+@lru_cache(maxsize=CACHED_STATUES)
+def _parts(statue: Statue) -> tuple[Array, ...]:
+    from meshes.decomposition import parts_of
+
+    return () if statue.solid is None else _drawn_inside(parts_of(statue.solid).parts)
+
+
+def _drawn_inside(bodies_m: tuple[Array, ...]) -> tuple[Array, ...]:
+    return tuple(body for points in bodies_m if len(body := inset(points)))

@@ -17,11 +17,11 @@ from harness.engines.pybullet import mirror, shapes
 from harness.engines.pybullet.pose import Setup
 from harness.engines.pybullet.settings import REFERENCE_DT_S, BulletSettings
 from harness.engines.stepping.step_log import ALONE, Row, Vector
+from harness.model.history import Array
 from harness.model.scene import Pedestal, Scene
 
 # What Bullet's solver is told: every parameter of a world, and what the length of a step or a rest asks of it.
 
-Array = NDArray[np.float64]
 
 MIRRORED_RESIDUAL: Final = 1e-2
 """Share of a level's residual in a mirrored world: started from the last step's impulses the solver iterations get there soon."""

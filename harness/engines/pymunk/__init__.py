@@ -164,6 +164,8 @@ class Munk2D(Engine):
         skipped: dict[str, float | None] = {"quiet_start": first * own.dt_s} if first > 0 else {}
         if record.rested:
             skipped["quiet_end"] = scene.duration_s - record.t_s[-1]
+        begin_s, end_s = record.t_s[0], record.t_s[-1]
+        plain_throughout = {"plain_from_s": begin_s, "plain_for_s": end_s - begin_s, "plain_because": ["asked for"]}
         report = Report(
             engine=self.name,
             settings=own.as_dict(),
@@ -173,7 +175,7 @@ class Munk2D(Engine):
             stuck_below_m_s=max(10.0 * stuck_below_m_s(scene, own.dt_s), STILL_M_S),
             rested=record.rested,
             with_history=options.history or not options.allows("no_history"),
-            validity={} if _located(scene) else _plain_throughout(record.t_s),
+            validity={} if _located(scene) else plain_throughout,
             interventions=record.ledger.record(),
             skipped=skipped,
             labels=() if scene.contact.restitution is None else (IMPOSED_LABEL,),
@@ -248,7 +250,3 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
 
 def _turning(iterations: int) -> int:
     return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
-
-
-def _plain_throughout(times_s: list[float]) -> dict[str, object]:
-    return {"plain_from_s": times_s[0], "plain_for_s": times_s[-1] - times_s[0], "plain_because": ["asked for"]}

@@ -9,19 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pymunk._chipmunk_cffi import lib
 
-from harness.engines.pymunk import MunkSettings, native
-from harness.engines.pymunk.native import State
+from harness.engines.pymunk import MunkSettings
+from harness.engines.pymunk import world as chipmunk
 from harness.engines.pymunk.support import STILL, SupportVertex
-from harness.engines.pymunk.world import World
-from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, Vector
-
-if TYPE_CHECKING:
-    from harness.engines.stepping.step_log import StepLog
-    from harness.engines.stepping.step_state import StepState
+from harness.engines.pymunk.world import State, World
+from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector
+from harness.engines.stepping.step_state import StepState
 
 Pair = tuple[float, float]
 
@@ -80,12 +77,12 @@ class ChipmunkBackend:
 
     def impulses(self, places: Row) -> list[Impulse]:
         """What the contacts gave each body in the last step; empty where one that was lost came back."""
-        given = [native.contacts_of(body) for body in self.bodies]
+        given = [chipmunk.contacts_of(body) for body in self.bodies]
         return [each for each in given if each is not None] if None not in given else []
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""
-        native.set_friction(self.floor_shape, friction)
+        chipmunk.set_friction(self.floor_shape, friction)
 
     def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
         """Put the floor to where it is after Chipmunk's move."""
@@ -168,10 +165,10 @@ class ChipmunkBackend:
             if angle != self.states[0][2]:
                 set_angle(self.bodies[0], angle - spin * self.step_s)
         if iterations != self.iterations:
-            native.set_iterations(self.space, iterations)
+            chipmunk.set_iterations(self.space, iterations)
             self.iterations = iterations
-        native.set_gravity(self.space, pull)
-        native.step(self.space, self.step_s)
+        chipmunk.set_gravity(self.space, pull)
+        chipmunk.step(self.space, self.step_s)
         # Chipmunk's places are now those at which contacts were found.
         self.states = self.read_states(self.length_s)
 

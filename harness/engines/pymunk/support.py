@@ -12,15 +12,14 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.pymunk import MunkSettings
-from harness.engines.pymunk.native import State
+from harness.engines.pymunk.world import State
 from harness.engines.stepping.step_log import Ledger
+from harness.model.history import Array
 from harness.model.scene import Scene
 from meshes.footprint import lower_chain
 
-Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
 STILL: Final[State] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -58,8 +57,7 @@ def base_vertices(scene: Scene) -> Array:
     steps = np.diff(chain, axis=0)
     base = np.flatnonzero(np.abs(np.arctan2(steps[:, 1], steps[:, 0])) < STEEPEST_RAD)
     facets = chain[base[0] : base[-1] + 2]
-    from_centroid: Array = facets[::-1] - np.array([0.0, scene.statue.centroid_height_m])
-    return from_centroid
+    return np.asarray(facets[::-1] - np.array([0.0, scene.statue.centroid_height_m]))
 
 
 class SupportVertex:

@@ -8,16 +8,14 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.stepping import frame
 from harness.engines.stepping.frame import matrices, planar, statue_columns
 from harness.engines.stepping.step_log import StepLog
+from harness.model.history import Array
 from harness.model.scene import Scene, centroid_shift_m
 
 # What a contact engine's loop recorded, before it becomes a run.
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +95,7 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
     # Of a moving frame the table's own motion is none.
     place = table_rate = np.zeros((t_s.size, 3))
     if scene.table == "moving":
-        place, table_rate = frame.table_displacement(scene, t_s), frame.table_velocity(scene, t_s)
+        place, table_rate = frame.table_motion(scene, t_s)
     turn = matrices(rows[:, 3:7]) @ (np.eye(3) if axes is None else axes.T)
     spin = rows[:, 10:13]
     centroid, velocity = rows[:, 0:3] - place, rows[:, 7:10] - table_rate

@@ -6,14 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.stepping import settings
 from harness.engines.stepping.frame import greatest_pull_m_s2, matrices
 from harness.engines.stepping.step_log import Row, Vector
+from harness.model.history import Array
 from harness.model.scene import Scene
 
-Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 
 
@@ -149,5 +148,4 @@ def past_edge_m(points_m: Array, row: tuple[float, ...], across_m: tuple[float, 
     """How far points (k, 3) of the statue lie past the edges of the top, m, (k,); `across_m` are its half width and depth."""
     top, statue = matrices(np.array([row[16:20], row[3:7]]))
     there = (np.array(row[0:3]) - np.array(row[13:16]) + points_m @ statue.T) @ top[:, :2]
-    past: Array = (np.abs(there) - np.array(across_m)).max(axis=1)
-    return past
+    return np.asarray((np.abs(there) - np.array(across_m)).max(axis=1))

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from harness.engines.base import LayerFault
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.forces import Impulses
+from harness.model.history import Array
 from harness.model.run import Intervention
 from harness.model.scene import Contact, Scene
-
-Array = NDArray[np.float64]
 
 # Two coefficients of friction in an engine that knows one.
 #
@@ -96,7 +95,7 @@ def check_friction(
     scene: Scene,
     motion: Trajectory,
     impulses: Impulses,
-    plain_from_s: float | None,
+    plain_from_s: float,
     still_m_s: float,
     interventions: Mapping[str, Intervention] | None,
 ) -> None:
@@ -112,7 +111,7 @@ def check_friction(
     before, after = np.abs(motion.slip_rate_m_s[:-1]), np.abs(motion.slip_rate_m_s[1:])
     weight = mass_kg * scene.gravity_m_s2
     hard = np.convolve(normal > HARD * weight * np.diff(motion.t_s), np.ones(2 * BESIDE + 1))[BESIDE:-BESIDE] > 0.0
-    counted = (motion.t_s[1:] < (np.inf if plain_from_s is None else plain_from_s)) & (normal > 0.0)
+    counted = (motion.t_s[1:] < plain_from_s) & (normal > 0.0)
     one_way = motion.slip_rate_m_s[:-1] * motion.slip_rate_m_s[1:] > 0.0
     sliding = counted & one_way & ~hard & (np.minimum(before, after) > SLIDES * still_m_s)
     # As it comes to rest a step's force is read from velocities of which one is of its sliding.
@@ -148,8 +147,7 @@ def _rounded_off_m_s(motion: Trajectory) -> Array:
     pull = motion.gravity_xz_m_s2[:, 0]
     curved = np.zeros_like(pull)
     curved[1:-1] = pull[2:] - 2.0 * pull[1:-1] + pull[:-2]
-    rounded: Array = 0.125 * curved * np.diff(motion.t_s)
-    return rounded
+    return np.asarray(0.125 * curved * np.diff(motion.t_s))
 
 
 def _unread_n_s(scene: Scene, motion: Trajectory) -> Array:
@@ -160,8 +158,7 @@ def _unread_n_s(scene: Scene, motion: Trajectory) -> Array:
     arm_m = max(math.hypot(statue.corner_m(side), statue.centroid_height_m) for side in (-1, 1))
     spin = np.abs(motion.theta_rate_rad_s[:-1])
     gained = np.abs(np.diff(motion.theta_rate_rad_s))
-    unread: Array = statue.mass_kg * arm_m * step_s * spin * (gained + 0.5 * spin * spin * step_s)
-    return unread
+    return np.asarray(statue.mass_kg * arm_m * step_s * spin * (gained + 0.5 * spin * spin * step_s))
 
 
 def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_]) -> float:

@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.stepping.columns import Trajectory
+from harness.model.history import Array
 from harness.model.scene import Pedestal, Scene
-
-Array = NDArray[np.float64]
 
 WINDOW: Final = 8
 """Steps over which impulses are summed before a ratio is formed: a solver's noise from step to step is not a force."""
@@ -104,8 +102,7 @@ def energy_j(scene: Scene, trajectory: Trajectory) -> Array:
         total += scene.pedestal.mass_kg * (0.5 * np.sum(trajectory.pedestal_rate_m_s**2, axis=1) + gravity * lifted)
         if trajectory.pedestal_spin_rad_s is not None:
             total += 0.5 * pedestal_inertia_kg_m2(scene.pedestal) * trajectory.pedestal_spin_rad_s**2
-    energy: Array = total
-    return energy
+    return np.asarray(total)
 
 
 def energy_lost_j(scene: Scene, trajectory: Trajectory, energy: Array) -> Array:
@@ -120,8 +117,7 @@ def energy_lost_j(scene: Scene, trajectory: Trajectory, energy: Array) -> Array:
         # The work of a force that is constant in a step is exact with the mean of the velocities at its ends.
         power = mass * np.sum(extra * 0.5 * (rate[1:] + rate[:-1]), axis=1)
         given[1:] += np.cumsum(power * step)
-    lost: Array = given - energy
-    return lost
+    return np.asarray(given - energy)
 
 
 def energy_gained_j(lost_j: Array) -> float:

@@ -6,15 +6,14 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.block import rotation_matrices
-from analytic.excitation import Excitation, ZeroExcitation
+from analytic.excitation import ZeroExcitation
+from harness.model.history import Array
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 
 # What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any direction.
 
-Array = NDArray[np.float64]
 
 OVERTURN_TAN: Final = math.tan(OVERTURN_RAD)
 OVERTURN_COS: Final = math.cos(OVERTURN_RAD)
@@ -75,29 +74,19 @@ def apparent_gravity(scene: Scene, edges_s: Array) -> Array:
     """
     gravity = np.zeros((edges_s.size - 1, 3))
     gravity[:, 2] = -scene.gravity_m_s2
-    for axis, part in enumerate(_parts(scene)):
+    for axis, part in enumerate(scene.base_excitation.parts):
         if not isinstance(part, ZeroExcitation):
             gravity[:, axis] -= np.diff(np.asarray(part.velocity_m_s(edges_s), dtype=np.float64)) / np.diff(edges_s)
     return gravity
 
 
-def _parts(scene: Scene) -> tuple[Excitation, Excitation, Excitation]:
-    motion = scene.base_excitation
-    return motion.x, motion.y, motion.z
-
-
 def greatest_pull_m_s2(scene: Scene) -> float:
     """A bound on what weight and table together can do, m/s²."""
-    return sum((part.peak_m_s2 for part in _parts(scene)), scene.gravity_m_s2)
+    return sum((part.peak_m_s2 for part in scene.base_excitation.parts), scene.gravity_m_s2)
 
 
-def table_displacement(scene: Scene, t_s: Array) -> Array:
-    """Displacement of a moving table (x, y, z) at the given times, shape (n, 3), m; zero before t = 0."""
-    later = np.maximum(t_s, 0.0)
-    return np.column_stack([np.asarray(part.displacement_m(later)) for part in _parts(scene)])
-
-
-def table_velocity(scene: Scene, t_s: Array) -> Array:
-    """Velocity of a moving table (x, y, z) at the given times, shape (n, 3), m/s; zero before t = 0."""
-    later = np.maximum(t_s, 0.0)
-    return np.column_stack([np.asarray(part.velocity_m_s(later)) for part in _parts(scene)])
+def table_motion(scene: Scene, t_s: Array) -> tuple[Array, Array]:
+    """Displacement, m, and velocity, m/s, of a moving table (x, y, z) at the given times, shape (n, 3); zero before t = 0."""
+    later, parts = np.maximum(t_s, 0.0), scene.base_excitation.parts
+    places = np.column_stack([np.asarray(part.displacement_m(later)) for part in parts])
+    return places, np.column_stack([np.asarray(part.velocity_m_s(later)) for part in parts])

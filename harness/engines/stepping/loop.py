@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.base import MOVING_TABLE, refuse
 from harness.engines.stepping.columns import trajectory
@@ -19,11 +18,9 @@ from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
 from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, base_velocity
 from harness.engines.stepping.step_state import Backend, ContactTimeEstimate, HalfCycle, Stepper, StepState
 from harness.engines.stepping.support import wall_touch
+from harness.model.history import Array
 from harness.model.scene import Scene
 from harness.statics.plan import LimitsOfRest
-
-Array = NDArray[np.float64]
-
 
 # The model's impact map on both bodies, to be imposed in a contact engine (docs/model.md, sections 3 and 4).
 
@@ -191,29 +188,30 @@ def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
     )
 
 
-def follow(state: StepState, half_cycle: HalfCycle) -> bool | None:
-    """Make the next part of a half-cycle. True, with none made, where its impact is due within it; None: it is no short one."""
+def follow(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> bool:
+    """Make the next part of a half-cycle, or its impact where that is due within it; False: it is no short one."""
     step_s, back_s, events = state.step_s, 0.0, state.events
     if half_cycle.parts > 0:
         back_s = half_cycle.contact_time()
         if not half_cycle.known:
             whole_s = state.t_s - half_cycle.start_s + back_s
             if not events.least_steps * step_s <= whole_s <= events.short_steps * step_s:
-                return None
+                return False
             half_cycle.part_s, half_cycle.known = whole_s / events.parts, True
         if half_cycle.parts > events.most_parts:
-            return None
+            return False
     end_s = state.t_s + min(half_cycle.part_s, step_s)
     whole = end_s > state.next_s - events.tail_parts * half_cycle.part_s
     end_s = state.next_s if whole else end_s
     if half_cycle.parts > 0 and back_s <= events.close_parts * (end_s - state.t_s):
+        _locate_impact(state, gaps, half_cycle.contact_time)
         return True
     half_cycle.parts += 1
     if whole:
         state.to_next()
     else:
         state.to(end_s, max(0.5 * (state.t_s + end_s), state.kick_s))
-    return False
+    return True
 
 
 # An event inside a step, met at its instant: velocities are brought there by the engine, places by their velocities.
@@ -390,8 +388,10 @@ def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, ju
     What comes after `jump_s`, the instant in the next step at which the floor's acceleration jumps, is not looked at before that.
     """
     stepper, step_s = state.stepper, state.step_s
-    if jump_s == math.inf and state.half_cycle is not None and _followed(state, gaps, state.half_cycle):
-        return 0
+    if jump_s == math.inf and state.half_cycle is not None:
+        if follow(state, gaps, state.half_cycle):
+            return 0
+        state.half_cycle = None
     contact_s, soonest, foot = gaps(state.row, stepper.table_place[2], stepper.table_rate[2])
     if watch.impose:
         return _imposed(state, scene, gaps, watch, soonest, jump_s)
@@ -413,16 +413,6 @@ def _locate_impact(state: StepState, gaps: ContactGaps, contact_time: ContactTim
     locate_event(state, gaps, contact_time, state.impact, contact_time.speeds)
     if state.velocity_jumped:
         state.half_cycle = after_impact(state, gaps)
-
-
-def _followed(state: StepState, gaps: ContactGaps, half_cycle: HalfCycle) -> bool:
-    """Whether a part of a short half-cycle, or its impact, was made; if not it is no short one any more."""
-    due = follow(state, half_cycle)
-    if due is None:
-        state.half_cycle = None
-    elif due:
-        _locate_impact(state, gaps, half_cycle.contact_time)
-    return due is not None
 
 
 def _imposed(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, soonest: float, jump_s: float) -> int:
@@ -536,17 +526,12 @@ def plain_steps(backend: Backend, schedule: Schedule, watch: Watch) -> StepLog:
             if wanted != acting:
                 backend.set_floor_friction(wanted)
                 acting = wanted
-        if number % LOOK_STEPS == 0 and _ended(schedule.scene, watch, number * step_s, row):
-            break
+        if number % LOOK_STEPS == 0:
+            x, y, z = axis_of(row, watch.axis)
+            lies = watch.ends_fallen and schedule.scene.initial.pose is None and fallen(x, y, z)
+            stops = watch.stop is not None and watch.stop(number * step_s, math.atan2(x, z))
+            if lies or stops or (watch.leave is not None and watch.leave(row)):
+                break
         if watch.wall is not None and number % WALL_STEPS == 0 and watch.wall.ends(record):
             break
     return record
-
-
-def _ended(scene: Scene, watch: Watch, t_s: float, row: Row) -> bool:
-    x, y, z = axis_of(row, watch.axis)
-    if watch.ends_fallen and scene.initial.pose is None and fallen(x, y, z):
-        return True
-    if watch.stop is not None and watch.stop(t_s, math.atan2(x, z)):
-        return True
-    return watch.leave is not None and watch.leave(row)

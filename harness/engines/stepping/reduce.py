@@ -17,8 +17,8 @@ from harness.engines.stepping.coulomb import check_friction, friction_is_known
 from harness.engines.stepping.frame import OVERTURN_COS
 from harness.engines.stepping.support import Corners, plain_spells
 from harness.model.finding import Finding, caution
-from harness.model.history import History, Outcome, hermites, output_grid
-from harness.model.run import Intervention, Pattern, PatternName, Run
+from harness.model.history import Array, History, Outcome, hermites, output_grid
+from harness.model.run import Intervention, Pattern, PatternName, Run, number
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue, rotations
 from harness.model.two_block import block_of, keywords
 from harness.statics.standstill import tipping_of_pedestal
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 # A run that reaches `OVERTURN_RAD` has overturned. So has one that ends beyond the balance point of the base it left, the
 # vertical through its centroid missing that base, and lies there or cannot come back (docs/model.md, section 2).
 
-Array = NDArray[np.float64]
 
 TOUCH_SHARE: Final = 1e-3
 """Share of the centroid's height within which a point as low as the lowest carries too: more than any contact's depth or slop."""
@@ -90,8 +89,10 @@ def fall(scene: Scene, motion: Trajectory, overturn_s: float | None) -> Fall | N
     looks = np.unique(np.linspace(first, len(up) - 1, LOOKS).round().astype(np.int64))
     carried = [body.carried(up[k]) for k in looks]
     if _rests(scene, motion, up, carried[-1]) or _cannot_return(scene, motion, body, up, carried=any(carried)):
-        reached = _first_reach_s(motion.t_s[first:], _tilt_rad(up[first:])) if any(carried) else None
-        return Fall(side_of(motion), no_return_s, reached, lies=carried[-1])
+        # First as far over as it ends.
+        tilt = _tilt_rad(up[first:])
+        lies_s = _passed_s(motion.t_s[first:], tilt, int((tilt >= tilt[-1]).argmax()), tilt[-1])
+        return Fall(side_of(motion), no_return_s, lies_s if any(carried) else None, lies=carried[-1])
     return Fall(Outcome.UNDECIDED, no_return_s, None, lies=carried[-1])
 
 
@@ -122,19 +123,15 @@ def last_outward(t_s: Array, excess_rad: Array) -> tuple[int, float | None]:
     inside = np.flatnonzero(excess_rad < 0.0)
     if inside.size == 0:
         return 0, None
-    k = int(inside[-1])
-    if k + 1 >= t_s.size:
-        return k, float(t_s[-1])
-    share = -excess_rad[k] / (excess_rad[k + 1] - excess_rad[k])
-    return k + 1, float(t_s[k] + share * (t_s[k + 1] - t_s[k]))
+    k = int(inside[-1]) + 1
+    return (k, _passed_s(t_s, excess_rad, k)) if k < t_s.size else (k - 1, float(t_s[-1]))
 
 
-def _first_reach_s(t_s: Array, tilt_rad: Array) -> float:
-    """When a tilt first is as large as it is at the end."""
-    k = int(np.flatnonzero(tilt_rad >= tilt_rad[-1])[0])
+def _passed_s(t_s: Array, values: Array, k: int, level: float = 0.0) -> float:
+    """When values pass a level on a straight line to sample `k`; the first time where there is none before it."""
     if k == 0:
         return float(t_s[0])
-    share = (tilt_rad[-1] - tilt_rad[k - 1]) / (tilt_rad[k] - tilt_rad[k - 1])
+    share = (level - values[k - 1]) / (values[k] - values[k - 1])
     return float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
 
 
@@ -171,8 +168,7 @@ class _Body:
         facing = -up[:, :2] @ self.sides_m[:, :2].T
         reach = np.full(facing.shape, np.inf)
         np.divide(np.maximum(self.sides_m[:, 2], 0.0) * level[:, None], facing, out=reach, where=facing > 0.0)
-        excess: Array = np.arctan2(level, up[:, 2]) - np.arctan(np.min(reach, axis=1))
-        return excess
+        return np.asarray(np.arctan2(level, up[:, 2]) - np.arctan(np.min(reach, axis=1)))
 
     def hill_m(self, up: Array) -> float:
         """Height of the centroid at the lowest balance point by which it can come back: over the side it left, in space any."""
@@ -254,8 +250,7 @@ def _up(motion: Trajectory, first: int = 0) -> Array:
 
 
 def _tilt_rad(up: Array) -> Array:
-    tilt: Array = np.arctan2(np.hypot(up[:, 0], up[:, 1]), up[:, 2])
-    return tilt
+    return np.asarray(np.arctan2(np.hypot(up[:, 0], up[:, 1]), up[:, 2]))
 
 
 def side_of(motion: Trajectory) -> Outcome:
@@ -282,12 +277,11 @@ SHORTEST_PATTERN_S: Final = 2e-3
 
 @dataclass(frozen=True)
 class Rocking:
-    """Instants, s, of uplift from rest and of impact, and for each impact the rates before and after it, rad/s."""
+    """Instants, s, of uplift from rest and of impact, and for each impact the rate after it over the one before."""
 
     uplift_times_s: tuple[float, ...]
     impact_times_s: tuple[float, ...]
-    rates_before_rad_s: tuple[float, ...]
-    rates_after_rad_s: tuple[float, ...]
+    impact_ratios: tuple[float, ...]
 
 
 def rocking(t_s: Array, theta_rad: Array, theta_rate_rad_s: Array, resolution_rad: float) -> Rocking:
@@ -299,26 +293,26 @@ def rocking(t_s: Array, theta_rad: Array, theta_rate_rad_s: Array, resolution_ra
     starts, stops = _excursions(theta_rad, resolution_rad)
     uplifts: list[float] = []
     impacts: list[float] = []
-    before: list[float] = []
-    after: list[float] = []
+    ratios: list[float] = []
     last = theta_rad.size - 1
-    for number, (first, end) in enumerate(zip(starts, stops, strict=True)):
-        previous = int(stops[number - 1]) if number else -1
-        if first > 0 and (number == 0 or _rested(t_s, theta_rate_rad_s, previous, int(first), resolution_rad)):
+    for index, (first, end) in enumerate(zip(starts, stops, strict=True)):
+        previous = int(stops[index - 1]) if index else -1
+        if first > 0 and (index == 0 or _rested(t_s, theta_rate_rad_s, previous, int(first), resolution_rad)):
             uplifts.append(_uplift_time(t_s, theta_rad, theta_rate_rad_s, int(first)))
         if end >= last:
             continue
         # The band may hold samples on the way: the impact lies before the first that is back or beyond.
-        back, next_first = int(end) + 1, int(starts[number + 1]) if number + 1 < starts.size else last
+        back, next_first = int(end) + 1, int(starts[index + 1]) if index + 1 < starts.size else last
         while back < next_first and theta_rad[back] * theta_rad[end] > 0.0:
             back += 1
         following = min(back + 1, last)
         falls = theta_rad[end] * theta_rate_rad_s[end] < 0.0
         upright_s = t_s[end] - theta_rad[end] / theta_rate_rad_s[end] if falls else t_s[end + 1]
         impacts.append(float(min(upright_s, t_s[back])))
-        before.append(_rate_at(impacts[-1], t_s, theta_rate_rad_s, int(end), int(end) - 1))
-        after.append(_rate_at(impacts[-1], t_s, theta_rate_rad_s, following, following + 1))
-    return Rocking(tuple(uplifts), tuple(impacts), tuple(before), tuple(after))
+        before = _rate_at(impacts[-1], t_s, theta_rate_rad_s, int(end), int(end) - 1)
+        after = _rate_at(impacts[-1], t_s, theta_rate_rad_s, following, following + 1)
+        ratios.append(after / before if before != 0.0 else 0.0)
+    return Rocking(tuple(uplifts), tuple(impacts), tuple(ratios))
 
 
 def _excursions(theta_rad: Array, band: float) -> tuple[Ints, Ints]:
@@ -492,7 +486,9 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     plain = plain_spells(motion, slid_m, gap_m, at, scene.pedestal)
     if friction_is_known(scene, motion):
         account = report.interventions if report.repeats else None
-        check_friction(scene, motion, impulses, plain["plain_from_s"], report.stuck_below_m_s, account)
+        check_friction(
+            scene, motion, impulses, number(plain, "plain_from_s", math.inf), report.stuck_below_m_s, account
+        )
     fallen = fall(scene, motion, overturn_s)
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, slip_m, at, report.stuck_below_m_s)
     count, reached_s = touch or (0, 0.0)
@@ -511,14 +507,13 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     over = gap_m if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
     energy_j = forces.energy_j(scene, motion)
     lost_j = forces.energy_lost_j(scene, motion, energy_j)
-    rates = zip(cycles.rates_before_rad_s, cycles.rates_after_rad_s, strict=True)
     validity: dict[str, object] = {
         **forces.force_limits(scene, motion, impulses),
         "statue_slip_m": float(np.abs(slid_m).max()),
         "statue_flight_m": float(max(gap_m.max(), 0.0)),
         "penetration_m": float(max(-over.min(), 0.0)),
         "energy_gained_j": forces.energy_gained_j(lost_j),
-        "impact_ratios": [after / before if before != 0.0 else 0.0 for before, after in rates],
+        "impact_ratios": list(cycles.impact_ratios),
         **plain,
         **in_space,
     }
@@ -560,15 +555,12 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
 
 def own_contact(scene: Scene) -> list[Finding]:
     """Forms of the two-block model that an engine replaces by its own contact."""
-    keys = []
-    if scene.pedestal is not None and scene.form.friction_normal == "static":
-        keys.append("model.friction_normal")
-    if (
-        scene.pedestal is not None
-        and scene.form.pedestal_at_impact == "unchanged"
-        and scene.contact.restitution is None
-    ):
-        keys.append("model.pedestal_at_impact")
+    form = scene.form
+    replaced = {
+        "model.friction_normal": form.friction_normal == "static",
+        "model.pedestal_at_impact": form.pedestal_at_impact == "unchanged" and scene.contact.restitution is None,
+    }
+    keys = [key for key, told in replaced.items() if told and scene.pedestal is not None]
     return [caution("own_contact", keys=keys)] if keys else []
 
 
@@ -597,10 +589,7 @@ def _ending(scene: Scene, trajectory: Trajectory, rested: bool) -> tuple[float, 
     # A body thrown through space has no upright to overturn from: its run goes on over any rotation.
     if over.size and scene.initial.pose is None:
         k = int(over[0])
-        if k == 0:
-            return float(t_s[0]), float(t_s[0]), 1
-        share = (OVERTURN_RAD - size[k - 1]) / (size[k] - size[k - 1])
-        time = float(t_s[k - 1] + share * (t_s[k] - t_s[k - 1]))
+        time = _passed_s(t_s, size, k, OVERTURN_RAD)
         if time <= scene.duration_s:
             return time, time, k + 1
     last = scene.duration_s if rested else min(float(t_s[-1]), scene.duration_s)
@@ -653,8 +642,7 @@ def on_support(motion: Trajectory) -> tuple[Array, Array]:
 def _clear_m(scene: Scene, turn: Array, at: support.Corners) -> Array:
     """Height (n,) of the base's lowest vertex above the support, by the statue's rotations (n, 3, 3) along it."""
     base = scene.statue.feet_m - np.array([0.0, 0.0, scene.statue.centroid_height_m])
-    clear: Array = at.centroid_z + (turn[:, 2] @ base.T).min(axis=1)
-    return clear
+    return np.asarray(at.centroid_z + (turn[:, 2] @ base.T).min(axis=1))
 
 
 def _yaw_rad(turn: Array) -> Array:

@@ -15,14 +15,11 @@ from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.stepping import frame
 from harness.engines.stepping.step_log import Vector
 from harness.model.scene import Scene
-
-Array = NDArray[np.float64]
 
 SAME_INSTANT: Final = 1e-6
 """Share of a step by which two instants may differ and be one."""
@@ -61,9 +58,8 @@ class Schedule:
     @cached_property
     def _jumps_s(self) -> list[float]:
         """Instants at which the floor's acceleration jumps, in order."""
-        motion = self.scene.base_excitation
         end_s = (self.count + 1) * self.step_s
-        return sorted({float(t) for part in (motion.x, motion.y, motion.z) for t in part.jumps_s(end_s)})
+        return sorted({float(t) for part in self.scene.base_excitation.parts for t in part.jumps_s(end_s)})
 
     def jump_after_s(self, kick_s: float) -> float:
         """The first instant after `kick_s` at which the floor's acceleration jumps; infinite for none."""
@@ -83,9 +79,8 @@ class Schedule:
     @cached_property
     def _velocities(self) -> Callable[[float], list[tuple[int, float]]]:
         """What gives, at a time, the axes along which the frame is accelerated, each with its motion's velocity, m/s."""
-        base_excitation = self.scene.base_excitation
-        parts = [] if self.moving else list(enumerate((base_excitation.x, base_excitation.y, base_excitation.z)))
-        moving = [(axis, part.velocity_at) for axis, part in parts if not isinstance(part, ZeroExcitation)]
+        parts = () if self.moving else self.scene.base_excitation.parts
+        moving = [(axis, part.velocity_at) for axis, part in enumerate(parts) if not isinstance(part, ZeroExcitation)]
 
         # One step begins where the last one ended.
         @lru_cache(maxsize=2)
@@ -98,8 +93,8 @@ class Schedule:
         """Displacement of a moving table at the start of a step, and its mean velocity in it; that of the instant `kick_s`, to
         which the step takes velocities, where this is not its middle: at impacts, and where the floor's acceleration jumps.
         """
-        here, there = frame.table_displacement(self.scene, np.array([t_s, t_s + step_s]))
+        (here, there, _), (_, _, at_kick) = frame.table_motion(self.scene, np.array([t_s, t_s + step_s, kick_s]))
         rate = (there - here) / step_s
         if abs(kick_s - t_s - 0.5 * step_s) > SAME_INSTANT * self.step_s or kick_s in self._jumps_s:
-            rate = frame.table_velocity(self.scene, np.array([kick_s]))[0]
+            rate = at_kick
         return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))

@@ -12,12 +12,10 @@ from struct import Struct
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.base import LayerFault
+from harness.model.history import Array
 from harness.model.run import Intervention
-
-Array = NDArray[np.float64]
 
 # Rows of numbers: places, rotations and velocities of statue and pedestal at one instant, as the layer keeps them.
 

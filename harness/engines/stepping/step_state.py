@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.engines.base import LayerFault
 from harness.engines.stepping import settings
@@ -33,9 +32,8 @@ from harness.engines.stepping.step_log import (
     base_velocity,
     crossed,
 )
+from harness.model.history import Array
 from harness.model.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 class Backend(Protocol):
@@ -429,9 +427,8 @@ class ContactTimeEstimate:
     def __init__(self, state: StepState, gaps: ContactGaps, foot: int) -> None:
         """Begin with what the last two samples show, unless an impact or a stick onset lies between them."""
         self.state, self.gaps, self.foot = state, gaps, foot
-        self.gained_m_s2 = 0.0
-        self.row, self.seen = state.row, self._height(state.row)
-        self.kick_s, self.closing_m_s = state.kick_s, self.seen[1]
+        self.gained_m_s2, self.kick_s = 0.0, state.kick_s
+        _, self.closing_m_s = self._height(state.row)
         kicks = state.record.kick_s
         if len(kicks) > 1 and kicks[-2] < kicks[-1] and state.smooth:
             self._gain(self._height(state.record.row(-2))[1], kicks[-2])
@@ -458,9 +455,7 @@ class ContactTimeEstimate:
         return gap / closing, max(then / closing, 1.0)
 
     def _look(self) -> tuple[float, float]:
-        if self.row is not self.state.row:
-            self.row, self.seen = self.state.row, self._height(self.state.row)
-        gap, closing = self.seen
+        gap, closing = self._height(self.state.row)
         if self.state.kick_s > self.kick_s:
             before, self.closing_m_s = self.closing_m_s, closing
             before_s, self.kick_s = self.kick_s, self.state.kick_s

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, TypedDict
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.stepping.columns import Trajectory
+from harness.model.history import Array
 from harness.model.scene import Pedestal, Scene
 
 # Where the contact is the one that events are located for: a statue that turns about a corner at rest on an upright pedestal.
 # Elsewhere steps are those of any loop, and errors fall at first order: of events inside them only a foot that comes down while
 # the statue slides is met at its instant.
 
-Array = NDArray[np.float64]
 
 LEFT_M: Final = 1e-4
 """Slip of the statue on its support, or gap under it, that counts: without either, steps of 4 ms leave some 1e-5 m."""
@@ -26,17 +26,9 @@ SLIDES_M_S: Final = 1e-3
 """Slower than this the statue's slip goes on as a solver's remainder does: less than 1e-5 m/s at rest."""
 
 
-class PlainSpells(TypedDict):
-    """When events were not located: from when on, for how long altogether, and why."""
-
-    plain_from_s: float | None
-    plain_for_s: float
-    plain_because: list[str]
-
-
 def plain_spells(
     motion: Trajectory, slip_m: Array, gap_m: Array, at: Corners, pedestal: Pedestal | None
-) -> PlainSpells:
+) -> dict[str, object]:
     """`plain_from_s`, the first instant at which the steps were plain (None: never), `plain_for_s`, for how long altogether, and
     `plain_because`, the reasons in the order in which they came.
 
@@ -66,8 +58,7 @@ def plain_spells(
 
 def moves(t_s: Array, place_m: Array) -> NDArray[np.bool_]:
     """Whether a place moves by more than solver iterations leave in one that stands, shape (n,)."""
-    faster: NDArray[np.bool_] = np.abs(np.diff(place_m, prepend=place_m[0])) > SLIDES_M_S * np.diff(t_s, prepend=t_s[0])
-    return faster
+    return np.asarray(np.abs(np.diff(place_m, prepend=place_m[0])) > SLIDES_M_S * np.diff(t_s, prepend=t_s[0]))
 
 
 def statue_slides(t_s: Array, slip_m: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -134,8 +125,7 @@ def statue_slip_m(scene: Scene, at: Corners) -> Array:
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     # Upright the corners are a base apart; the standing one tells where the base is.
     place = np.where(at.lean_rad >= 0.0, at.right_x, at.left_x + base)
-    start: Array = place - place[0]
-    return start
+    return np.asarray(place - place[0])
 
 
 def gap_m(scene: Scene, at: Corners, within_m: float = math.inf) -> Array:

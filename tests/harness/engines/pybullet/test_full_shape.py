@@ -14,8 +14,7 @@ from analytic.excitation import Harmonic
 from harness.engines import load
 from harness.engines.pybullet import feet, pose
 from harness.engines.pybullet.feet import DEPTH_M, EdgeCrossing
-from harness.engines.pybullet.full import HULL_VERTICES, full_shape
-from harness.engines.pybullet.shapes import HULL_INSET_M, MARGIN_M
+from harness.engines.pybullet.shapes import HULL_INSET_M, HULL_VERTICES, MARGIN_M, full_shape
 from harness.engines.pybullet.world import World
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene

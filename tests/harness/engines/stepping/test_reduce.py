@@ -67,8 +67,7 @@ def test_an_impact_is_where_the_rotation_is_back_however_wide_the_band(band_rad:
     rate = np.where(since < 0.0, -0.2, -0.18)
     found = rocking(TIMES, theta, rate, band_rad)
     assert found.impact_times_s == pytest.approx([0.7003], abs=budget.EVENT_TIME_S)
-    assert found.rates_before_rad_s == pytest.approx([-0.2])
-    assert found.rates_after_rad_s == pytest.approx([-0.18])
+    assert found.impact_ratios == pytest.approx([0.9])
 
 
 def test_what_remains_of_a_slip_is_that_at_the_end() -> None:
