@@ -6,7 +6,7 @@ from typing import Final
 
 from harness import Run, RunOptions, Scene, engines
 from harness.engines.base import Settings
-from harness.engines.pymunk import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
 from harness.engines.stepping import frame
 from harness.engines.stepping.schedule import Schedule

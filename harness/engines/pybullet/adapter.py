@@ -85,14 +85,23 @@ class Bullet3D(Engine):
             )
         return None
 
-    def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
-        """Levels from coarse to fine; measured in docs/measured/pybullet_levels.md."""
-        return _levels(scene)
+    def refinement_levels(self, scene: Scene) -> tuple[BulletSettings, ...]:
+        """Steps that halve, then the finest one with its equations solved to the end; docs/measured/pybullet_levels.md."""
+        expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
+        *stepped, last = expected if scene.planar else ACROSS_RAD
+        alone = scene.pedestal is None
+        most_iterations = MOST_ITERATIONS_ALONE if alone else MOST_ITERATIONS
+        axes, residual = mirror.axes(scene), RESIDUAL_ALONE if alone else BulletSettings.residual
+        halving = (
+            BulletSettings(dt_s, error_rad, residual=residual, axes=axes)
+            for dt_s, error_rad in zip(STEPS_S, stepped, strict=True)
+        )
+        return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations, axes=axes))
 
     def settings_for_dt(self, scene: Scene, dt_s: float) -> Settings:
         """The nearest finer level's settings with the expert's step."""
         # A coarser level's solver would leave more than this step errs by: the next finer one is taken.
-        refinement_levels = _levels(scene)
+        refinement_levels = self.refinement_levels(scene)
         level = next((item for item in refinement_levels if item.dt_s <= dt_s * (1.0 + 1e-9)), refinement_levels[-1])
         return replace(level, dt_s=dt_s, expected_error_rad=level.expected_error_rad * dt_s / level.dt_s)
 
@@ -112,7 +121,9 @@ class Bullet3D(Engine):
         )
         verification = replace(tighter, dt_s=VERIFICATION_STEP_SHARE * level.dt_s)
         coarser = (
-            item for item in _levels(scene) if item.dt_s >= verification.dt_s and item.residual >= verification.residual
+            item
+            for item in self.refinement_levels(scene)
+            if item.dt_s >= verification.dt_s and item.residual >= verification.residual
         )
         expected = min((item.expected_error_rad for item in coarser), default=level.expected_error_rad)
         return (replace(verification, expected_error_rad=min(expected, level.expected_error_rad)),)
@@ -155,20 +166,6 @@ class Bullet3D(Engine):
             labels=(IMPOSED_LABEL,) if scene.contact.restitution is not None else (),
         )
         return reduce_trajectory(scene, path, report)
-
-
-def _levels(scene: Scene) -> tuple[BulletSettings, ...]:
-    """The refinement levels: steps that halve, then the finest one with its equations solved to the end."""
-    expected = ON_FLOOR_RAD if scene.pedestal is None else ON_PEDESTAL_RAD
-    *stepped, last = expected if scene.planar else ACROSS_RAD
-    alone = scene.pedestal is None
-    most_iterations = MOST_ITERATIONS_ALONE if alone else MOST_ITERATIONS
-    axes, residual = mirror.axes(scene), RESIDUAL_ALONE if alone else BulletSettings.residual
-    halving = (
-        BulletSettings(dt_s, error_rad, residual=residual, axes=axes)
-        for dt_s, error_rad in zip(STEPS_S, stepped, strict=True)
-    )
-    return (*halving, BulletSettings(STEPS_S[-1], last, residual=0.0, iterations=most_iterations, axes=axes))
 
 
 def _validity(extra: Mapping[str, Array], setup: Setup, phases: RunPhases) -> dict[str, object]:

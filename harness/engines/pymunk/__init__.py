@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import metadata
 from typing import ClassVar, Final, final
 
@@ -20,6 +20,7 @@ from harness.engines.base import (
     own_settings,
     refuse,
 )
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import step_count
@@ -63,25 +64,6 @@ SLOP_RAD_S: Final = 0.1
 SETTLE_STEPS: Final = 500
 """Whole steps computed before the first instant at which anything can move: the contact's penetration must have settled as it
 would have by then, or an outcome far on may be another (with 64 of them two of six under real records were)."""
-
-
-@dataclass(frozen=True)
-class MunkSettings(Settings):
-    """Chipmunk's settings for one run.
-
-    `iterations` of its solver in a step, `turning_iterations` while the statue turns on one corner and its forces change little
-    from step to step, `impact_iterations` in a step that is an impact, a stick onset at rest or a change of sliding;
-    `slop_m` the penetration that it leaves, `depth_m` the one at which the statue is placed; `pedestal_first` the order in
-    which bodies are added (results depend on it); `event_share` how long, over its own, what locates events stays around one.
-    """
-
-    iterations: int
-    turning_iterations: int
-    depth_m: float
-    slop_m: float
-    impact_iterations: int
-    pedestal_first: bool = True
-    event_share: float = 1.0
 
 
 @final

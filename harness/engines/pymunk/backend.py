@@ -13,8 +13,8 @@ from typing import Final
 
 from pymunk._chipmunk_cffi import lib
 
-from harness.engines.pymunk import MunkSettings
 from harness.engines.pymunk import world as chipmunk
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import State, World
 from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector

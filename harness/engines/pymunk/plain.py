@@ -12,7 +12,8 @@ from dataclasses import replace
 from typing import ClassVar, Final, final
 
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, Settings, near, own_settings
-from harness.engines.pymunk import SLOP_RAD_S, Munk2D, MunkSettings, refuse_out_of_plane, resolution_rad
+from harness.engines.pymunk import SLOP_RAD_S, Munk2D, refuse_out_of_plane, resolution_rad
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.frame import step_count

@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.engines.pymunk import MunkSettings
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import State
 from harness.engines.stepping.step_log import Ledger
 from harness.model.history import Array

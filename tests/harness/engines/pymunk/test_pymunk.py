@@ -11,8 +11,9 @@ from analytic.excitation import Harmonic, SampledAcceleration
 from harness import Outcome, Run, RunOptions
 from harness.engines.analytic import TwoBlock
 from harness.engines.base import EngineFailure
-from harness.engines.pymunk import Munk2D, MunkSettings
+from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
+from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Wall
 from tests import budgets_engines as budget

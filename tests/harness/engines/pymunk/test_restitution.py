@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.engines.pymunk import MunkSettings, world
+from harness.engines.pymunk import world
+from harness.engines.pymunk.settings import MunkSettings
 from tests import budgets_engines as budget
 from tests.measures import contact_engines
 from tests.scenes_for_tests import rectangle, scene
