@@ -9,7 +9,7 @@ from harness.engines.base import Settings
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
 from harness.engines.stepping import frame
-from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.frame import Schedule
 from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 
 BEST_OF: Final = 5

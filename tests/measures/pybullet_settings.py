@@ -20,8 +20,8 @@ from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.columns import Trajectory, trajectory
+from harness.engines.stepping.frame import Schedule
 from harness.engines.stepping.loop import Watch, integrate
-from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
 from harness.model.history import Array, History

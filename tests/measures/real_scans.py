@@ -19,7 +19,7 @@ from harness.engines.pybullet.pose import Setup, prepare
 from harness.engines.pybullet.run_phases import quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.pybullet.world import World
-from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.frame import Schedule
 from harness.questions.bench.standard_scenes import MESHES, record, scene_of
 
 BEST_OF: Final = 3

@@ -19,10 +19,9 @@ from harness.engines.pybullet.mirror import halves
 from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.coulomb import stuck_below_m_s
-from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
+from harness.engines.stepping.frame import Schedule, greatest_pull_m_s2, step_count
 from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch, plain_steps, refuse_steering
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
-from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene

@@ -15,9 +15,8 @@ from harness.engines.pybullet.shapes import FullShape, full_shape
 from harness.engines.pybullet.world import World, at_rest
 from harness.engines.stepping import loop
 from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.engines.stepping.frame import greatest_pull_m_s2, step_count
+from harness.engines.stepping.frame import Schedule, greatest_pull_m_s2, step_count
 from harness.engines.stepping.loop import MOST_FREE, SETTLE_STEPS, RestSpells, WallWatch, Watch
-from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
 from harness.model.run import RunOptions

@@ -23,10 +23,9 @@ from harness.engines.base import (
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import stuck_below_m_s
-from harness.engines.stepping.frame import step_count
+from harness.engines.stepping.frame import Schedule, step_count
 from harness.engines.stepping.loop import IMPOSED_LABEL, STILL_M_S, WallWatch, Watch, integrate
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
-from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
 from harness.engines.stepping.support import flat_base

@@ -16,10 +16,9 @@ from harness.engines.pymunk import SLOP_RAD_S, Munk2D, refuse_out_of_plane, reso
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.coulomb import stuck_below_m_s
-from harness.engines.stepping.frame import step_count
+from harness.engines.stepping.frame import Schedule, step_count
 from harness.engines.stepping.loop import WallWatch, Watch, plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.engines.stepping.schedule import Schedule
 from harness.engines.stepping.step_log import StepLog
 from harness.model.run import Capabilities, Run, RunOptions
 from harness.model.scene import Scene

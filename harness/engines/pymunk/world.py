@@ -12,9 +12,8 @@ from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
 from harness.engines.pymunk.settings import MunkSettings
-from harness.engines.stepping.forces import pedestal_inertia_kg_m2
 from harness.engines.stepping.step_log import Impulse
-from harness.engines.stepping.support import FLAT_M
+from harness.engines.stepping.support import FLAT_M, pedestal_inertia_kg_m2
 from harness.model.history import Array
 from harness.model.scene import Pose, Scene
 

@@ -13,8 +13,7 @@ from harness.engines.base import MOVING_TABLE, refuse
 from harness.engines.stepping.columns import trajectory
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import followed, stuck_below_m_s
-from harness.engines.stepping.frame import fallen, greatest_pull_m_s2, matrices
-from harness.engines.stepping.schedule import SAME_INSTANT, Schedule
+from harness.engines.stepping.frame import SAME_INSTANT, Schedule, fallen, greatest_pull_m_s2, matrices
 from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, base_velocity
 from harness.engines.stepping.step_state import Backend, ContactTimeEstimate, HalfCycle, Stepper, StepState
 from harness.engines.stepping.support import wall_touch

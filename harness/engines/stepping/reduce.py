@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.engines.stepping import forces, support
+from harness.engines.stepping import support
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.coulomb import check_friction, friction_is_known
 from harness.engines.stepping.frame import OVERTURN_COS
@@ -114,7 +114,7 @@ def _may_tip_over(scene: Scene, motion: Trajectory) -> bool:
     high_m = stone.height_m + statue.centroid_height_m
     moment = statue.mass_kg * high_m + stone.mass_kg * stone.centroid_height_m
     begun = statue.mass_kg * (float(motion.statue_xz_m[0, 1]) - high_m)
-    left_j = float(forces.energy_j(scene, motion)[-1]) + scene.gravity_m_s2 * begun
+    left_j = float(support.energy_j(scene, motion)[-1]) + scene.gravity_m_s2 * begun
     return bool(share >= 1.0 or (still and left_j >= scene.gravity_m_s2 * moment * (math.hypot(1.0, tangent) - 1.0)))
 
 
@@ -475,7 +475,7 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     wall_s = wall_s if touch is None else touch[1]
     inside = motion.t_s <= end_s
     peak = int(np.abs(np.where(inside, theta, 0.0)).argmax())
-    at, impulses = support.corners(scene, motion), forces.impulses(scene, motion)
+    at, impulses = support.corners(scene, motion), support.impulses(scene, motion)
     slip_m, gap_m = support.statue_slip_m(scene, at), support.gap_m(scene, at)
     slid_m, in_space = slip_m, dict[str, object]()
     if "out_of_plane_rad" in motion.extra:
@@ -505,20 +505,20 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         peak_rad, peak_s = ahead_rad, end_s
     # A point beside the pedestal's top is not in it.
     over = gap_m if scene.pedestal is None else support.gap_m(scene, at, 0.5 * scene.pedestal.width_m)
-    energy_j = forces.energy_j(scene, motion)
-    lost_j = forces.energy_lost_j(scene, motion, energy_j)
+    energy_j = support.energy_j(scene, motion)
+    lost_j = support.energy_lost_j(scene, motion, energy_j)
     validity: dict[str, object] = {
-        **forces.force_limits(scene, motion, impulses),
+        **support.force_limits(scene, motion, impulses),
         "statue_slip_m": float(np.abs(slid_m).max()),
         "statue_flight_m": float(max(gap_m.max(), 0.0)),
         "penetration_m": float(max(-over.min(), 0.0)),
-        "energy_gained_j": forces.energy_gained_j(lost_j),
+        "energy_gained_j": support.energy_gained_j(lost_j),
         "impact_ratios": list(cycles.impact_ratios),
         **plain,
         **in_space,
     }
     if cycles.impact_times_s:
-        validity["lost_in_impacts_j"] = forces.lost_in_impacts_j(motion.t_s, lost_j, cycles.impact_times_s)
+        validity["lost_in_impacts_j"] = support.lost_in_impacts_j(motion.t_s, lost_j, cycles.impact_times_s)
     if scene.pedestal is not None and "pedestal_tilt_rad" in motion.extra:
         validity["pedestal_tilt_rad"] = float(np.abs(motion.tilt_rad).max())
         validity["pedestal_tilt_share"] = float(tilt_share(scene, scene.pedestal, motion.tilt_rad)[0].max())
@@ -701,7 +701,7 @@ def moves_in_space(scene: Scene, motion: Trajectory, placed: tuple[Array, Array]
 
 
 def _history(
-    scene: Scene, motion: Trajectory, statue_slip_m: Array, energy_j: Array, impulses: forces.Impulses, end_s: float
+    scene: Scene, motion: Trajectory, statue_slip_m: Array, energy_j: Array, impulses: support.Impulses, end_s: float
 ) -> History:
     grid = output_grid(end_s, scene.output_dt_s) if end_s > 0.0 else np.zeros(1)
     t_s = motion.t_s
@@ -710,7 +710,7 @@ def _history(
     loads = {"statue_force_x_n": impulses.statue_x, "statue_force_z_n": impulses.statue_z}
     if scene.pedestal is not None:
         loads |= {"floor_force_x_n": impulses.floor_x, "floor_force_z_n": impulses.floor_z}
-    extra |= zip(loads, forces.mean_forces(t_s, list(loads.values()), grid), strict=True)
+    extra |= zip(loads, support.mean_forces(t_s, list(loads.values()), grid), strict=True)
     theta, slip = hermites(
         grid, t_s, ((motion.theta_rad, motion.theta_rate_rad_s), (motion.slip_m, motion.slip_rate_m_s))
     )

@@ -18,9 +18,7 @@ from harness.engines.base import LayerFault
 from harness.engines.stepping import settings
 from harness.engines.stepping.contact_gaps import ContactGaps
 from harness.engines.stepping.coulomb import SLIP_ONSET, Pair
-from harness.engines.stepping.forces import pedestal_inertia_kg_m2
-from harness.engines.stepping.frame import matrices
-from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.frame import Schedule, matrices
 from harness.engines.stepping.step_log import (
     ALONE,
     Impulse,
@@ -32,6 +30,7 @@ from harness.engines.stepping.step_log import (
     base_velocity,
     crossed,
 )
+from harness.engines.stepping.support import pedestal_inertia_kg_m2
 from harness.model.history import Array
 from harness.model.scene import Scene
 

@@ -14,7 +14,7 @@ from harness.engines import load
 from harness.engines.pybullet import pose
 from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
-from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.frame import Schedule
 from harness.engines.stepping.step_state import Stepper
 from harness.model.scene import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import standard_set

@@ -10,7 +10,7 @@ import pytest
 from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Excitation, Harmonic, Pulse, Record
 from harness.accuracy.simulation import simulate
-from harness.engines.stepping.schedule import Schedule
+from harness.engines.stepping.frame import Schedule
 from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

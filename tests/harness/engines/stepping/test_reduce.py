@@ -10,7 +10,7 @@ from analytic.excitation import Harmonic, Pulse
 from harness import Run, RunOptions, load_scene
 from harness.engines import load
 from harness.engines.base import LayerFault
-from harness.engines.stepping import forces, frame, reduce
+from harness.engines.stepping import frame, reduce, support
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
@@ -38,7 +38,7 @@ def standing(theta: Array, rate: Array, t_s: Array = TIMES, gravity: float = 9.8
 
 
 def gained_j(on: Scene, motion: Trajectory) -> float:
-    return forces.energy_gained_j(forces.energy_lost_j(on, motion, forces.energy_j(on, motion)))
+    return support.energy_gained_j(support.energy_lost_j(on, motion, support.energy_j(on, motion)))
 
 
 def reduced(theta: Array, rate: Array, **changes: object) -> Run:
