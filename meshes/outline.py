@@ -6,8 +6,6 @@ large on every side. Fitted sides are not.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,26 +31,19 @@ QUIET_SHARE = 1e-4
 """Noise below this share of the outline's extent is left alone."""
 
 
-@dataclass(frozen=True, eq=False)
-class Outline:
-    """The outline's points (n, 2), one for each of the rim's, and the noise across the sides (standard deviation)."""
-
-    points_m: Array
-    noise_m: float
-
-
-def fit_outline(rim_m: Array) -> Outline:
-    """Outline of a closed rim (n, 2): each point moved to the fitted side of its run; a quiet rim is returned as it
-    is."""
+def fit_outline(rim_m: Array) -> tuple[Array, float]:
+    """Outline of a closed rim (n, 2): each point moved to the fitted side of its run, a quiet rim as it is; and the noise across
+    the sides (standard deviation), m.
+    """
     extent = float(np.ptp(rim_m, axis=0).max())
     noise = _noise(rim_m, extent)
     if noise < QUIET_SHARE * extent or len(rim_m) < 12:
-        return Outline(rim_m, 0.0)
+        return rim_m, 0.0
     corners = _merged(rim_m, _corners(rim_m, STRAIGHT * noise), noise)
     if len(corners) < 3:
-        return Outline(rim_m, noise)
+        return rim_m, noise
     points, residuals = _on_sides(rim_m, corners, 2.0 * STRAIGHT * noise)
-    return Outline(points, float(np.sqrt(np.mean(residuals**2))))
+    return points, float(np.sqrt(np.mean(residuals**2)))
 
 
 def _noise(rim: Array, extent: float) -> float:

@@ -86,21 +86,21 @@ def close_base(mesh: RawMesh) -> Repaired:
             "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
             place=mesh.source,
         )
-    outline = fit_outline(points[:, :2])
-    floor = _base_level(mesh.vertices[:, 2], points[:, 2], outline.noise_m)
-    below = np.column_stack([outline.points_m, np.full(len(rim), floor)])
+    outline, noise_m = fit_outline(points[:, :2])
+    floor = _base_level(mesh.vertices[:, 2], points[:, 2], noise_m)
+    below = np.column_stack([outline, np.full(len(rim), floor)])
     new = len(mesh.vertices) + np.arange(len(rim))
     ahead, new_ahead = np.roll(rim, -1), np.roll(new, -1)
     skirt = np.vstack([np.column_stack([ahead, rim, new]), np.column_stack([ahead, new, new_ahead])])
     cap = new[::-1][triangulated(below[::-1], np.array([0.0, 0.0, -1.0]))]
-    clear = floor + (CLEAR_OF_CONTACT * CONTACT_TOLERANCE_M if outline.noise_m > 0.0 else 0.0)
+    clear = floor + (CLEAR_OF_CONTACT * CONTACT_TOLERANCE_M if noise_m > 0.0 else 0.0)
     lifted = np.maximum(mesh.vertices, [-np.inf, -np.inf, clear])
     closed = RawMesh(np.vstack([lifted, below]), np.vstack([mesh.faces, skirt, cap]), mesh.source)
     values = {
         "edges": len(rim),
         "ragged_m": ragged,
-        "noise_m": outline.noise_m,
-        "fitted_m": float(np.linalg.norm(outline.points_m - points[:, :2], axis=1).max()),
+        "noise_m": noise_m,
+        "fitted_m": float(np.linalg.norm(outline - points[:, :2], axis=1).max()),
         "lifted": int((mesh.vertices[:, 2] < clear).sum()),
         "lifted_m": float(clear - mesh.vertices[:, 2].min()),
     }

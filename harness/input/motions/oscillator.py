@@ -18,18 +18,11 @@ POINTS_PER_PERIOD: Final = 20
 """Samples of the response in a period: the peak between two of them is missed by at most 1 − cos(π/20) = 1.2 %."""
 
 
-@dataclass(frozen=True, eq=False)
-class OscillatorStep:
-    """x⁺ = phi x + b0 a + b1 a⁺ for x = (displacement, velocity) over one step, and the row of the absolute acceleration."""
+def exact_step(period_s: float, damping: float, dt_s: float) -> tuple[Floats, Floats, Floats]:
+    """The step of an oscillator of `period_s` > 0 and 0 < `damping` < 1 over `dt_s`, exact for a linear in time.
 
-    phi: Floats
-    b0: Floats
-    b1: Floats
-    row_absolute: Floats
-
-
-def exact_step(period_s: float, damping: float, dt_s: float) -> OscillatorStep:
-    """The step of an oscillator of `period_s` > 0 and 0 < `damping` < 1 over `dt_s`, exact for a linear in time."""
+    Φ (2, 2), b₀ and b₁ (2,) of x⁺ = Φ x + b₀ a + b₁ a⁺ for x = (displacement, velocity).
+    """
     w = 2.0 * math.pi / period_s
     wd = w * math.sqrt(1.0 - damping**2)
     decay, sin, cos = math.exp(-damping * w * dt_s), math.sin(wd * dt_s), math.cos(wd * dt_s)
@@ -39,18 +32,18 @@ def exact_step(period_s: float, damping: float, dt_s: float) -> OscillatorStep:
     force = np.array([0.0, -1.0])
     held = system_inverse @ (phi - np.eye(2)) @ force
     ramp = system_inverse @ (held / dt_s - force)
-    return OscillatorStep(phi, held - ramp, ramp, np.array([-(w**2), -2.0 * damping * w]))
+    return phi, held - ramp, ramp
 
 
 def displacement_m(accel_m_s2: Floats, dt_s: float, period_s: float, damping: float) -> Floats:
     """Relative displacement (n,) at the samples, m, from rest at the first, by the recurrence's transfer function."""
     from scipy.signal import lfilter
 
-    step, row = exact_step(period_s, damping, dt_s), np.array([1.0, 0.0])
-    trace, det = float(np.trace(step.phi)), float(np.linalg.det(step.phi))
-    carry = step.phi - trace * np.eye(2)
-    taps = np.array([row @ step.b1, row @ (step.b0 + carry @ step.b1), row @ carry @ step.b0])
-    start = accel_m_s2[0] * np.array([-taps[0], row @ step.b0 - taps[1]])
+    (phi, b0, b1), row = exact_step(period_s, damping, dt_s), np.array([1.0, 0.0])
+    trace, det = float(np.trace(phi)), float(np.linalg.det(phi))
+    carry = phi - trace * np.eye(2)
+    taps = np.array([row @ b1, row @ (b0 + carry @ b1), row @ carry @ b0])
+    start = accel_m_s2[0] * np.array([-taps[0], row @ b0 - taps[1]])
     response, _ = lfilter(taps, [1.0, -trace, det], accel_m_s2, zi=start)
     return np.asarray(response)
 

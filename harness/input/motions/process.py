@@ -91,22 +91,21 @@ def _absolute(t_s: Floats, before: Floats, after: Floats, mode: Oscillator) -> F
     """Absolute acceleration of one oscillator at every node (n,), from rest, exact for straight lines between nodes."""
     result = np.zeros(t_s.size)
     displacement = velocity = 0.0
-    steps = np.diff(t_s)
-    dt_s, row = -1.0, (0.0, 0.0)
+    w = 2.0 * math.pi / mode.period_s
+    dt_s = -1.0
     p00 = p01 = p10 = p11 = s0 = s1 = e0 = e1 = 0.0
-    for i, step_s in enumerate(steps.tolist()):
+    for i, step_s in enumerate(np.diff(t_s).tolist()):
         if abs(step_s - dt_s) > 1e-12 * step_s:
             dt_s = step_s
-            step = exact_step(mode.period_s, mode.damping, dt_s)
-            (p00, p01), (p10, p11) = step.phi.tolist()
-            (s0, s1), (e0, e1) = step.b0.tolist(), step.b1.tolist()
-            row = (float(step.row_absolute[0]), float(step.row_absolute[1]))
+            phi, b0, b1 = exact_step(mode.period_s, mode.damping, dt_s)
+            (p00, p01), (p10, p11) = phi.tolist()
+            (s0, s1), (e0, e1) = b0.tolist(), b1.tolist()
         start, end = after[i], before[i + 1]
         displacement, velocity = (
             p00 * displacement + p01 * velocity + s0 * start + e0 * end,
             p10 * displacement + p11 * velocity + s1 * start + e1 * end,
         )
-        result[i + 1] = row[0] * displacement + row[1] * velocity
+        result[i + 1] = -(w**2) * displacement - 2.0 * mode.damping * w * velocity
     return result
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
 from typing import Final
 
 import numpy as np
@@ -34,16 +33,6 @@ _COMMENT: Final = ("#", "%")
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eEdD][+-]?[0-9]+)?|[+-]?[0-9]+")
 
 
-@dataclass(frozen=True)
-class _Table:
-    """Headers, values (n, k) and the file's line of every row; `words` are the headers of columns without numbers."""
-
-    headers: tuple[str, ...]
-    words: frozenset[str]
-    values: NDArray[np.float64]
-    lines: tuple[int, ...]
-
-
 def recognises(text: str) -> bool:
     """Whether the last row that is no comment begins with a number."""
     last = next((line for line in reversed(text.splitlines()) if _counts(line)), "")
@@ -68,18 +57,18 @@ def _names_times(cells: Sequence[str]) -> bool:
 
 def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
     """Every acceleration column; `unit` is used where the headers name none. InputError for gaps, NaN, unsorted times."""
-    table = _table(text, where)
-    time = _time_column(table, where)
-    clock = clock_of(table.values[:, time] * _seconds(table.headers[time]), where, table.lines)
+    headers, words, table, lines = _table(text, where)
+    time = _time_column(headers, words, table, where)
+    clock = clock_of(table[:, time] * _seconds(headers[time]), where, lines)
     channels: list[Channel] = []
     units: set[str] = set()
-    counts = (np.diff(table.values, axis=0) == 1.0).all(axis=0) & (len(table.values) > 2)
+    counts = (np.diff(table, axis=0) == 1.0).all(axis=0) & (len(table) > 2)
     others = [
         header
-        for header, counted in zip(table.headers, counts, strict=True)
-        if header != table.headers[time] and (counted or header in table.words or NO_COMPONENT.search(header))
+        for header, counted in zip(headers, counts, strict=True)
+        if header != headers[time] and (counted or header in words or NO_COMPONENT.search(header))
     ]
-    for column, header in enumerate(table.headers):
+    for column, header in enumerate(headers):
         if column == time or header in others:
             continue
         orientation, stated = heading(header)
@@ -89,20 +78,20 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
             raise mistake(where, header, UNIT_NAMES, other.group().strip("_()[]"), "convert the column")
         used = stated or unit
         if used is None:
-            likely, said_so = likely_unit(text[:_HEAD], float(np.abs(table.values[:, column]).max()))
+            likely, said_so = likely_unit(text[:_HEAD], float(np.abs(table[:, column]).max()))
             advice = f'say --motion-unit {likely}, or unit = "{likely}" in a scene, if {said_so}' if likely else said_so
             raise mistake(where, header, UNIT, "none in the header and none given", advice)
         units.add(used)
         refuse_fillers(
-            table.values[:, column],
+            table[:, column],
             where,
-            lambda row, name=header: f"line {table.lines[row]}, {name}",  # type: ignore[misc]
+            lambda row, name=header: f"line {lines[row]}, {name}",  # type: ignore[misc]
         )
-        values = clock.on(table.values[:, column])
+        values = clock.on(table[:, column])
         channels.append(Channel.read(header, orientation, clock.dt_s, values, used, start_s=clock.start_s))
     if not channels:
-        raise mistake(where, "", "a time column and an acceleration column", f"the columns {', '.join(table.headers)}")
-    left_out = (info("record_column_left_out", column=each, words=each in table.words) for each in others)
+        raise mistake(where, "", "a time column and an acceleration column", f"the columns {', '.join(headers)}")
+    left_out = (info("record_column_left_out", column=each, words=each in words) for each in others)
     return RecordFile(where, "CSV", "/".join(sorted(units)), tuple(channels), {}, findings=(*clock.said, *left_out))
 
 
@@ -128,7 +117,8 @@ def _has_decimal_commas(line: str) -> bool:
     return "," in line and len(cells) > 1 and all(_DECIMAL_COMMA.fullmatch(cell) for cell in cells)
 
 
-def _table(text: str, where: str) -> _Table:
+def _table(text: str, where: str) -> tuple[tuple[str, ...], set[str], NDArray[np.float64], tuple[int, ...]]:
+    """Headers, those of columns without numbers, values (n, k) and the file's line of every row."""
     every = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line and not line.isspace()]
     marked = any(mark in text for mark in _COMMENT)
     rows = [(number, line) for number, line in every if _counts(line)] if marked else list(every)
@@ -159,7 +149,7 @@ def _table(text: str, where: str) -> _Table:
         and (bulk := numbers_at_once(plain, _mark(body[0][1], comma))) is not None
         and bulk.shape[1] == len(headers)
     ):
-        return _Table(headers, frozenset(), bulk, places)
+        return headers, set(), bulk, places
     values = np.empty((len(body), len(headers)))
     split = [cells(line)[:-1] if trailing else cells(line) for _, line in body]
     words = _of_words(split, len(headers))
@@ -180,7 +170,7 @@ def _table(text: str, where: str) -> _Table:
             advice = "fill or cut a gap in the program that made the record"
             wanted = "a finite number with a decimal point"
             raise mistake(where, f"line {number}, {headers[column]}", wanted, repr(parts[column]), advice)
-    return _Table(headers, frozenset(headers[column] for column in words), values, places)
+    return headers, {headers[column] for column in words}, values, places
 
 
 def _alike(first: Sequence[str], second: Sequence[str]) -> bool:
@@ -230,13 +220,13 @@ def _commented(every: list[tuple[int, str]], first: int, count: int) -> tuple[st
     return tuple(str(place + 1) for place in range(count))
 
 
-def _time_column(table: _Table, where: str) -> int:
-    named = [i for i, header in enumerate(table.headers) if _TIME.match(header) and header not in table.words]
+def _time_column(headers: Sequence[str], words: Collection[str], table: NDArray[np.float64], where: str) -> int:
+    named = [i for i, header in enumerate(headers) if _TIME.match(header) and header not in words]
     if named:
         return named[0]
     advice = "name the column of times t_s"
-    if table.headers[0] == "1" and len(table.headers) > 1:
-        if not (np.diff(table.values[:, 0]) == 1.0).all():
+    if headers[0] == "1" and len(headers) > 1:
+        if not (np.diff(table[:, 0]) == 1.0).all():
             return 0
         raise mistake(where, "column 1", "a column of times", "the samples' numbers, in steps of one", advice)
-    raise mistake(where, "", "a column of times", f"the columns {', '.join(table.headers)}", advice)
+    raise mistake(where, "", "a column of times", f"the columns {', '.join(headers)}", advice)
