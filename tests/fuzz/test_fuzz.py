@@ -130,7 +130,7 @@ def test_a_history_that_a_result_names_and_lacks_is_seen(every: dict[str, Kind],
     (folder / "scene.toml").write_bytes(SCENE)
     every["scene"].read(folder / "scene.toml")
     (folder / WRITTEN / "history_analytic.csv").unlink()
-    assert "history_analytic.csv, which is not there" in (unfinished(folder / WRITTEN, accepted=True) or "")
+    assert "history_analytic.csv" in (unfinished(folder / WRITTEN, accepted=True) or "")
 
 
 def test_a_damaged_result_in_a_whole_store_is_refused(every: dict[str, Kind], folder: Path) -> None:
@@ -283,9 +283,7 @@ def test_a_bomb_costs_no_more_than_what_may_be_read(every: dict[str, Kind], fold
     for name in ("gzip", "sister in gzip"):
         content = bomb(every[name].content, np.random.default_rng(1))
         assert len(content) < BOMB_BYTES / 100
-        assert "at most 64 MiB, got more than that once unpacked" in (
-            attempt(every[name], content, folder).refusal or ""
-        )
+        assert "64 MiB" in (attempt(every[name], content, folder).refusal or "")
 
 
 def test_compiled_code_that_never_comes_back_ends_its_process() -> None:

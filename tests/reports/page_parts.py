@@ -53,7 +53,7 @@ def form(key: str) -> re.Pattern[str]:
         rf"(?:{part[2]}|{part[3]})" if part[2] else rf"(?P<{part[1]}>(?:(?!\. ).)+?)" if part[1] else re.escape(part[0])
         for part in re.finditer(r"\{(\w+)(?:\|([^|}]*)\|([^}]*))?\}|[^{]+", ENGLISH.strings[key])
     )
-    return re.compile("".join(words) + r"(?=\W*(?:\s|$))")
+    return re.compile("".join(words) + r"(?=[^\w<]*(?:[\s<]|$))")
 
 
 def spoken(blocks: Sequence[Block]) -> str:

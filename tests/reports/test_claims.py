@@ -118,7 +118,8 @@ def test_no_shaking_is_said_of_a_still_floor(told: list[Told]) -> None:
         moves = not all(
             isinstance(part, ZeroExcitation) for part in (base_excitation.x, base_excitation.y, base_excitation.z)
         )
-        assert (ENGLISH("begin.shaking_alone") in answer(item.said).headline) is moves, item.seed
+        shaking = ("begin.shaking_alone", "begin.shaking_lean", "begin.shaking_lean_turn", "begin.shaking_turn")
+        assert any(form(key).match(answer(item.said).headline) for key in shaking) is moves, item.seed
         lean = abs(math.degrees(item.scene.initial.theta_rad))
         assert (f" {lean:.2g}°" in answer(item.said).headline) is (lean > 0.0), item.seed
 

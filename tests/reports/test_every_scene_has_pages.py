@@ -1,5 +1,6 @@
 """Every valid scene has its pages, and a page that cannot be written costs neither another page nor the answer."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -55,7 +56,7 @@ def test_a_page_that_fails_costs_no_other_and_no_answer(
     assert result.exit_code == 1
     assert "analytic" in result.stdout
     failed = "report.html" if other == "conservator.html" else "conservator.html"
-    assert f"{failed} could not be made, ZeroDivisionError" in result.stderr
+    assert re.search(f"{failed} .*ZeroDivisionError", result.stderr)
     assert "fault of rockcheck" in result.stderr
     assert (tmp_path / "out" / other).is_file()
     assert not (tmp_path / "out" / failed).exists()

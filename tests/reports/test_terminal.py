@@ -63,7 +63,7 @@ def test_many_findings_engines_and_long_names_still_fit(record: RunRecord) -> No
     assert max(map(len, lines)) <= COLUMNS
     assert sum("further finding" in line for line in lines) == 1
     few = printed(replace(long, runs=record.runs, scores=record.scores).texted(ENGLISH.say))
-    assert any(ENGLISH.say(heavy[0]) in line for line in few), "the heaviest finding is shown first"
+    assert any(ENGLISH.say(heavy[0])[:30] in line for line in few), "the heaviest finding is shown first"
 
 
 def test_a_line_that_is_a_little_too_long_loses_no_number() -> None:

@@ -99,8 +99,8 @@ def test_what_was_written_to_bodies_is_one_line() -> None:
     }
     run = invented_run("pymunk", invented_history(0.0), Outcome.STANDS, 1e-3)
     done = replace(run, interventions=written, validity={"lost_in_impacts_j": 13.0})
-    assert interventions_text(done) == (
-        "turns about a corner: 4 and onsets of sliding: 3; in all 0 m, 0.25 m/s, 0 rad/s; 2.0 J given and 0 J taken, "
-        "where impacts lost 13 J; 3 steps solved again"
-    )
+    kinds = f"{ENGLISH('wrote.turn_on')}: 4 and {ENGLISH('wrote.friction_release')}: 3"
+    sums = {"moved_m": "0", "velocity_m_s": "0.25", "rate_rad_s": "0", "given_j": "2.0", "taken_j": "0"}
+    beside = ENGLISH("text.impacts_lost", lost="13")
+    assert interventions_text(done) == ENGLISH("text.interventions", kinds=kinds, beside=beside, again=3, **sums)
     assert interventions_text(replace(done, interventions={})) == ""

@@ -348,9 +348,8 @@ def test_a_text_without_commas_is_not_told_to_have_decimal_ones(tmp_path: Path) 
     path = tmp_path / "a.txt"
     for line in ("0.02 1.0", "0.02 1.0 2.0 3.0"):
         path.write_text(f"0.00 0.1 0.2\n0.01 0.3 0.4\n{line}\n0.03 0.5 0.6\n")
-        with pytest.raises(InputError) as error:
+        with pytest.raises(InputError, match=r": line 3: [^,]*, got \S+ [^,]*$"):
             read_file(path, unit="g")
-        assert error.value.mistakes[0].advice == "the file is damaged"
 
 
 @pytest.mark.parametrize(("unit", "theirs"), [("mm/s/s", True), ("gal", False)])

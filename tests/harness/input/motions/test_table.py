@@ -183,7 +183,7 @@ def test_a_gap_or_two_numbers_in_one_cell_beside_a_date_are_refused(tmp_path: Pa
     lines = [f"06:40:{0.01 * i:06.3f},{100 * n:.6f},0.1" for i, n in enumerate(NORTH)]
     lines[7] = f"06:40:00.070,{cell},0.1"
     path = _write(tmp_path / "text.csv", lines)
-    with pytest.raises(InputError, match=f"line 8: wanted 2 numbers beside its words or dates, got {count}"):
+    with pytest.raises(InputError, match=f"line 8: wanted 2 .*, got {count}"):
         read_file(path, unit="gal", layout=Layout(columns="2", dt_s=0.01))
     with pytest.raises(InputError, match=r"text\.csv"):
         read_file(path)

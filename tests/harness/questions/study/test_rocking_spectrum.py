@@ -19,6 +19,7 @@ from harness.records.study import RockingSpectrumRecord
 from harness.runs.execute import silent
 from harness.runs.runner import LocalPool
 from reports.cli import app
+from reports.messages import ENGLISH
 from reports.pages.rocking_spectrum_page import verdict
 from tests import budgets_assess as budget
 from tests.harness.questions.validate.experiments import write_motion
@@ -113,7 +114,7 @@ def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
         # Both motions overturn it: it has no median.
         assert (row["peak_median_over_alpha"] == "") == (row["probability_overturned"] == "1.0")
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "Share of the cases in which the block overturns" in page
+    assert ENGLISH("text.spectrum_falls") in page
     assert "weak.csv" in page
     assert "<code>rockcheck study bursts.toml</code>" in page
     answered = read_result(tmp_path / "out")

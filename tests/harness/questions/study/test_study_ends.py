@@ -14,7 +14,7 @@ import pytest
 
 from harness.questions.study.file import load_study
 from harness.questions.study.study_run import run_study
-from harness.runs.execute import Campaign
+from harness.runs.execute import KEPT, Campaign
 from harness.runs.runner import LocalPool
 from harness.runs.store import Store
 from harness.runs.task import Task
@@ -85,7 +85,7 @@ def test_told_to_end_a_study_says_what_it_keeps_and_leaves_no_process(tmp_path: 
     child.send_signal(signal.SIGTERM)
     _, said = child.communicate(timeout=LONGEST_S)
     assert child.returncode == 130
-    assert "what was finished is kept" in said
+    assert KEPT in said
     assert not [word for word in ("Traceback", "leaked", "Warning", "Error") if word in said], said
     assert len(workers) >= 2
     assert all(ended(int(pid)) for pid in workers)

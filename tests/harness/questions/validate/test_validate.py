@@ -22,6 +22,7 @@ from harness.questions.validate.table import read_table
 from harness.records.validation import Fitted, FittedInput
 from harness.runs.runner import InlinePool
 from reports.cli import app
+from reports.messages import ENGLISH
 from reports.pages.page import write_report
 from reports.terminal import LINES
 from tests.harness.questions.validate.experiments import (
@@ -200,7 +201,7 @@ def test_models_stand_beside_each_other_with_the_four_verdicts(tmp_path: Path) -
     assert pairs[1]["verdicts"]["differ: numerical error not bounded"] > 0.0
     page = write_report(tmp_path / "out").read_text(encoding="utf-8")
     assert "pymunk@dt=0.002 and analytic</dt>" in page
-    assert "No numerical error is stated for pymunk@dt=0.002 (" in page
+    assert ENGLISH("text.unstated", names="pymunk@dt=0.002") in page
 
 
 def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
@@ -230,7 +231,7 @@ def test_a_swapped_label_is_named_on_terminal_and_page(tmp_path: Path) -> None:
     ]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert told["text"] in page
-    assert "Share that fell against the probability said" in page
+    assert ENGLISH("chart.validation_reliability").split(",")[0] in page
     assert "right, by P ≥ ½" in page
 
 
@@ -269,7 +270,7 @@ def test_a_motion_of_any_named_columns_is_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r": line 2: .* got 0, 0, quiet"):
         intensity_of(replace(wrong, name="words"))
     (tmp_path / "burst1.csv").write_text("0 0\n1 1\n")
-    with pytest.raises(InputError, match="column: wanted a column of 1, 2, got nothing"):
+    with pytest.raises(InputError, match=r": column: .* 1, 2, got nothing"):
         intensity_of(replace(wrong, time_column="1", column=None, name="unnamed"))
 
 
