@@ -15,20 +15,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class EngineDefaults:
-    """What is sent besides shapes, masses, inertia, friction and gravity; None leaves Chipmunk's default."""
+    """What is sent besides shapes, masses, inertia, friction and gravity."""
 
     dt_s: float = 1.0 / 240.0
-    iterations: int | None = None
-    slop_m: float | None = None
 
 
 def run(scene: Scene, defaults: EngineDefaults) -> tuple[Array, Array]:
     """Times, s, and rotations, rad, (n,) of the scene's silhouette on a segment, or on a box for a pedestal."""
     space = pymunk.Space()
-    if defaults.iterations is not None:
-        space.iterations = defaults.iterations
-    if defaults.slop_m is not None:
-        space.collision_slop = defaults.slop_m
     floor = pymunk.Segment(space.static_body, (-1000.0, -1.0), (1000.0, -1.0), 1.0)
     floor.friction = scene.contact.floor_static if scene.pedestal else 1.0
     space.add(floor)

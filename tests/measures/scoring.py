@@ -10,33 +10,18 @@ import numpy as np
 
 from harness.comparison.comparator import compare
 from harness.comparison.scores import pointwise as iso
-from harness.model.history import History, pair
+from harness.model.history import pair
+from tests.doubles import rocking
 
 PAIRS: Final = 1000
 REPEATS: Final = 3
 """Best of several: what other processes do to the clock is no property of the code."""
 
 
-def rocking_like(seed: int, duration_s: float = 10.0, dt_s: float = 1e-3) -> History:
-    """A history with some forty impacts: parabolic arcs of random size, alternating sides."""
-    stream = np.random.default_rng(seed)
-    t = np.arange(round(duration_s / dt_s) + 1, dtype=np.float64) * dt_s
-    theta, rate = np.zeros_like(t), np.zeros_like(t)
-    begin, side = 0.3, 1
-    while begin < duration_s:
-        omega = float(stream.uniform(0.2, 0.8))
-        end = begin + 0.5 * omega
-        inside = (t >= begin) & (t < end)
-        tau = t[inside] - begin
-        theta[inside], rate[inside] = side * (omega * tau - 2.0 * tau**2), side * (omega - 4.0 * tau)
-        begin, side = end, -side
-    slip = 0.01 * np.sin(t)
-    return History(t, theta, rate, slip, 0.01 * np.cos(t))
-
-
 def measure() -> list[dict[str, Any]]:
     """Rows of what, seconds or ratio, and the target."""
-    histories = [rocking_like(seed) for seed in range(20)]
+    # Some forty impacts each.
+    histories = [rocking(amplitude_rad=amplitude, ratio=0.94) for amplitude in np.linspace(0.02, 0.12, 20)]
     pairs = [(histories[k % 20], histories[(k + 1 + k // 20) % 20]) for k in range(PAIRS)]
     best = min(_seconds(lambda: [compare(a, b) for a, b in pairs]) for _ in range(REPEATS))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
