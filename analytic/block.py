@@ -174,12 +174,6 @@ class Block:
         radius_m, inertia_kg_m2 = self._about_corners[side > 0]
         return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / inertia_kg_m2)
 
-    def mirrored(self) -> Self:
-        """The same statue with left and right exchanged."""
-        profile = tuple((-x, z) for x, z in reversed(self.profile_m))
-        left, right = self.base_ends_rad
-        return type(self)(self.mass_kg, self.centroid_height_m, self.inertia_kg_m2, profile, (right, left))
-
 
 @final
 @dataclass(frozen=True)

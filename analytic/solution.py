@@ -37,8 +37,6 @@ class EventKind(StrEnum):
     UPLIFT = "uplift"
     SLIP_ONSET = "slip"
     STICK_ONSET = "halt"
-    SLIP = "slip"  # further names of these two
-    HALT = "halt"
     IMPACT = "impact"
     BREAK = "break"
     OVERTURN = "overturn"

@@ -33,7 +33,7 @@ from analytic.kernel.records import (
     row,
 )
 from analytic.problem import HELD, Keywords, Options, Problem, encode, encode_base, encode_motion, stated
-from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Outcome, Solution
+from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Solution
 from analytic.solver import (
     PARTED,
     SAFETY,
@@ -204,10 +204,6 @@ class Ensemble:
     def overturned(self) -> NDArray[np.bool_]:
         """Whether each run overturned, to either side."""
         return np.asarray((self.codes == codes.OVERTURNED_LEFT) | (self.codes == codes.OVERTURNED_RIGHT))
-
-    def count(self, outcome: Outcome) -> int:
-        """Number of runs with that outcome."""
-        return int(np.count_nonzero(np.array([item is outcome for item in OUTCOMES])[self.codes]))
 
 
 _PARAMETERS: Final = (

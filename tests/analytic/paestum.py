@@ -1,6 +1,7 @@
 """The paper's statue and pedestal, and a few blocks, as the library's own classes."""
 
 import math
+from dataclasses import replace
 from typing import Any, Final
 
 from analytic import Block, Harmonic, Pedestal, Solution, simulate
@@ -28,3 +29,9 @@ def shaken(amplitude_g: float, frequency_hz: float, **changes: Any) -> Solution:
 def rectangle(radius_m: float, alpha_rad: float) -> Block:
     """A homogeneous rectangle of half diagonal R and slenderness α."""
     return Block.rectangle(width_m=2.0 * radius_m * math.sin(alpha_rad), height_m=2.0 * radius_m * math.cos(alpha_rad))
+
+
+def mirror_image(block: Block) -> Block:
+    """The same statue with left and right exchanged."""
+    profile = tuple((-x, z) for x, z in reversed(block.profile_m))
+    return replace(block, profile_m=profile, base_ends_rad=block.base_ends_rad[::-1])

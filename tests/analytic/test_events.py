@@ -60,7 +60,7 @@ def pairs(run: Solution) -> list[tuple[Event, Event]]:
 def test_slip_starts_where_friction_is_used_up(amplitude_g: float, frequency_hz: float, normal: str) -> None:
     run = shaken(amplitude_g, frequency_hz, form=Form(friction_normal=normal))
     motion = Harmonic(amplitude_g * GRAVITY, frequency_hz)
-    slips = [(before, event) for before, event in pairs(run) if event.kind is EventKind.SLIP]
+    slips = [(before, event) for before, event in pairs(run) if event.kind is EventKind.SLIP_ONSET]
     assert slips
     for before, event in slips:
         as_it_was = Event(**{**event.__dict__, "pivot": before.pivot})

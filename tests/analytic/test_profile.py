@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analytic import AnalyticInputError, Block, Harmonic, Outcome, Pulse, Rest, ensemble, simulate
-from tests.analytic.paestum import GRAVITY, STATUE
+from tests.analytic.paestum import GRAVITY, STATUE, mirror_image
 from tests.budgets_analytic import CHORD_RAD, ENERGY_RISE_REL, EVENT_REL, SAMPLED_S
 
 BULGE = Block.from_profile(
@@ -91,7 +91,7 @@ def test_mirrored_profile_gives_the_mirrored_run_bit_for_bit() -> None:
     )
     motion = Harmonic(2.5, 2.0)
     ours = simulate(uneven, motion, duration_s=6.0)
-    mirrored = simulate(uneven.mirrored(), motion.scaled(-1.0), duration_s=6.0)
+    mirrored = simulate(mirror_image(uneven), motion.scaled(-1.0), duration_s=6.0)
     assert ours.peak_theta_rad > 0.05
     assert np.array_equal(ours.theta_rad, -mirrored.theta_rad)
 
@@ -132,7 +132,7 @@ def test_where_something_else_than_the_base_comes_down_the_domain_is_left(mirror
     block = replace(STATUE, base_ends_rad=(math.inf, 0.05))
     wave, way = Harmonic(0.334 * GRAVITY, 4.5), 1.0
     if mirrored:
-        block, wave, way = block.mirrored(), Harmonic(-0.334 * GRAVITY, 4.5), -1.0
+        block, wave, way = mirror_image(block), Harmonic(-0.334 * GRAVITY, 4.5), -1.0
         assert block.base_ends_rad == (0.05, math.inf)
     bare = simulate(STATUE, Harmonic(0.334 * GRAVITY, 4.5), duration_s=5.0)
     run = simulate(block, wave, duration_s=5.0)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from analytic import Block, Form, Harmonic, Pedestal, Solution, simulate
 from analytic.block import GRAVITY_M_S2 as GRAVITY
+from tests.analytic import paestum
 from tests.budgets_analytic import ENERGY_RISE_REL, STRESS_STEPS_PER_S
 
 
@@ -61,7 +62,7 @@ def mirrored(scene: dict[str, Any]) -> dict[str, Any]:
     if pedestal is not None:
         pedestal = Pedestal(pedestal.mass_kg, pedestal.width_m, pedestal.height_m, -pedestal.offset_m)
     return scene | {
-        "block": scene["block"].mirrored(),
+        "block": paestum.mirror_image(scene["block"]),
         "motion_x": scene["motion_x"].scaled(-1.0),
         "pedestal": pedestal,
         "theta0_rad": -scene["theta0_rad"],
