@@ -65,21 +65,22 @@ def pedestal_effect(
     told = info("pedestal_saves", model=model, **vars(counted[model]))
     if pace is None:
         return told, []
-    fell: dict[tuple[float, str], list[bool]] = {}
-    reach: dict[tuple[float, str], float] = {}
-    for item, run in runs_of(cases, model):
-        setting = "floor" if item.varied["pedestal"] == "none" else "pedestal"
-        place = (float(item.varied[pace]), setting)
+    fell: dict[str, dict[float, list[bool]]] = {setting: {} for setting in SETTINGS}
+    reach: dict[str, dict[float, float]] = {setting: {} for setting in SETTINGS}
+    for item, run in sorted(runs_of(cases, model), key=lambda each: each[0].number(pace)):
+        setting, rate = "floor" if item.varied["pedestal"] == "none" else "pedestal", item.number(pace)
         if (fallen := falls(run)) is not None:
-            fell.setdefault(place, []).append(fallen)
+            fell[setting].setdefault(rate, []).append(fallen)
         if fallen is False:
             leans = poses(record.scene, {"theta_rad": run.peak_theta_rad * np.array([-1.0, 1.0])})
             moved = float(np.abs(top_shift_m(record.scene, leans)).max()) + run.peak_slip_m
-            reach[place] = max(reach.get(place, 0.0), moved)
-    named = {
-        each: say(f"{words}.{each}") for each in ("frequency", "on_floor", "on_pedestal", "share_falls", "top", "wall")
+            reach[setting][rate] = max(reach[setting].get(rate, 0.0), moved)
+    named = {each: say(f"{words}.{each}") for each in ("frequency", "share_falls", "top", "wall")}
+    colours = {say(f"{words}.on_{setting}"): colour for setting, colour in SETTINGS.items()}
+    drawn = {
+        "saved": _by_setting(dict(zip(colours, fell.values(), strict=True)), colours, named, say),
+        "moved": _reach_by_setting(dict(zip(colours, reach.values(), strict=True)), colours, named, record),
     }
-    drawn = {"saved": _by_setting(fell, named, say), "moved": _reach_by_setting(reach, named, record)}
     charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
     return told, charts
 
@@ -97,46 +98,40 @@ def _saved(cases: Sequence[Condition], model: str) -> Saved:
 SETTINGS: Final = {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR}
 
 
-def _by_setting(fell: Mapping[tuple[float, str], Sequence[bool]], named: Mapping[str, str], say: Language) -> Json:
-    places = sorted(fell)
+def _by_setting(
+    fell: Mapping[str, Mapping[float, Sequence[bool]]],
+    colours: Mapping[str, str],
+    named: Mapping[str, str],
+    say: Language,
+) -> Json:
+    """The share of falls by setting and frequency: a bar for each."""
     parts = [
         {
-            "kind": named[f"on_{setting}"], "x": [say.short(place[0]) for place in mine],
-            "y": [100.0 * sum(fell[place]) / len(fell[place]) for place in mine],
-            "count": [f"{sum(fell[place])}/{len(fell[place])}" for place in mine],
+            "kind": setting, "x": [*map(say.short, ends)], "y": [100.0 * sum(each) / len(each) for each in ends.values()],
+            "count": [f"{sum(each)}/{len(each)}" for each in ends.values()],
         }
-        for setting in SETTINGS for mine in [[place for place in places if place[1] == setting]]
+        for setting, ends in fell.items()
     ]  # fmt: skip
-    colours = {named[f"on_{setting}"]: colour for setting, colour in SETTINGS.items()}
     beside = {"xOffset": {"field": "kind", "sort": list(colours)}}
     bars = marks("bar", "falls", beside | {"color": kinds(colours)})
     words = marks("text", "falls", beside | {"text": {"field": "count"}}, dy=-7, clip=False)
-    x = names(
-        "x",
-        [say.short(value) for value in sorted({place[0] for place in places})],
-        named["frequency"],
-        labelAngle=0,
-        grid=False,
-    )
-    return figure(
-        [bars, words],
-        340,
-        {"falls": parts},
-        x,
-        upwards("y", named["share_falls"], {"domain": [0, 112]}, values=[*range(0, 101, 20)]),
-    )
+    rates = sorted({rate for ends in fell.values() for rate in ends})
+    x = names("x", [*map(say.short, rates)], named["frequency"], labelAngle=0, grid=False)
+    y = upwards("y", named["share_falls"], {"domain": [0, 112]}, values=[*range(0, 101, 20)])
+    return figure([bars, words], 340, {"falls": parts}, x, y)
 
 
-def _reach_by_setting(reach: Mapping[tuple[float, str], float], named: Mapping[str, str], record: StudyRecord) -> Json:
-    parts = [
-        {"name": named[f"on_{setting}"], "x": [place[0] for place in mine], "y": [reach[place] for place in mine]}
-        for setting in SETTINGS for mine in [[place for place in sorted(reach) if place[1] == setting]] if mine
-    ]  # fmt: skip
-    y = upwards("y", named["top"], {"zero": True})
-    wall = record.scene.wall
+def _reach_by_setting(
+    reach: Mapping[str, Mapping[float, float]],
+    colours: Mapping[str, str],
+    named: Mapping[str, str],
+    record: StudyRecord,
+) -> Json:
+    """How far the top moves by setting and frequency, and the wall."""
+    parts = [{"name": setting, "x": [*by], "y": [*by.values()]} for setting, by in reach.items() if by]
+    y, wall = upwards("y", named["top"], {"zero": True}), record.scene.wall
     lines = [] if wall is None else level(wall.distance_m, named["wall"], line=Look(WALL_COLOUR, "6 4", 1.5))
-    there = {setting for _, setting in reach}
-    looks = {named[f"on_{setting}"]: Look(colour) for setting, colour in SETTINGS.items() if setting in there}
+    looks = {setting: Look(colour) for setting, colour in colours.items() if reach[setting]}
     return figure(
         [*points("reach", looks, y, first=True), *lines], 340, {"reach": parts}, across("x", named["frequency"]), y
     )
