@@ -79,3 +79,9 @@ def refuse(mistakes: Collection[Mistake]) -> None:
     """Raise `InputError` of all these mistakes, where there is one."""
     if mistakes:
         raise InputError(mistakes)
+
+
+def check_known(name: str, known: Collection[str], option: str) -> None:
+    """Raise `InputError` for what an option names that is none of the known; the nearest is advised."""
+    if name not in known:
+        raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(name), nearest(name, known)))

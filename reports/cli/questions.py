@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, check_known
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK, say_record
@@ -212,8 +212,7 @@ def report(
     from reports.export.figures import browser, write_pdf
     from reports.pages.page import CONSERVATOR_NAME, FOR_CONSERVATORS, write_report
 
-    if reader not in READERS:
-        raise InputError(Mistake("--for", "", f"one of {', '.join(READERS)}", repr(reader)))
+    check_known(reader, READERS, "--for")
     if reader == "conservator" and (kind := read_result(folder).kind) not in FOR_CONSERVATORS:
         raise InputError(Mistake("--for", "", f"a record of a {' or '.join(FOR_CONSERVATORS)}", f"that of a {kind}"))
     if pdf:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.model.errors import InputError, Mistake, nearest, printable
+from harness.model.errors import InputError, Mistake, check_known, printable
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK, say_record
@@ -246,9 +246,7 @@ def schema(
     from harness.records.base import schema_of
     from harness.records.result_folder import KINDS, class_of
 
-    if kind not in KINDS:
-        wanted = f"one of {', '.join(KINDS)}"
-        raise InputError(Mistake("KIND", "", wanted, repr(kind), nearest(kind, KINDS)))
+    check_known(kind, KINDS, "KIND")
     OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")
 
 
@@ -306,9 +304,7 @@ def options_without(no_skip: Sequence[str] | None) -> RunOptions:
     """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
     from harness.model.run import SKIPS, RunOptions
 
-    off = set(no_skip or ())
-    unknown = [name for name in off if name not in SKIPS and name != "all"]
-    if unknown:
-        wanted = f"all or one of {', '.join(SKIPS)}"
-        raise InputError(Mistake("--no-skip", "", wanted, repr(unknown[0]), nearest(unknown[0], SKIPS)))
-    return RunOptions(skips=frozenset() if "all" in off else frozenset(SKIPS) - off)
+    off = no_skip or ()
+    for name in off:
+        check_known(name, ("all", *SKIPS), "--no-skip")
+    return RunOptions(skips=frozenset() if "all" in off else frozenset(SKIPS).difference(off))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, check_known
 from harness.model.files import check_own, writing
 from harness.model.history import Array, History
 from harness.records.scene import SceneRecord
@@ -69,13 +69,12 @@ def write_gif(folder: File, path: File | None = None, model: str | None = None) 
     source = run_source(folder)
     if not source.histories:
         raise InputError(Mistake(str(folder), "", "a run with histories", "a record without any"))
-    if model is not None and model not in source.histories:
-        raise InputError(Mistake("--model", "", f"one of {', '.join(source.histories)}", repr(model)))
     target = path or folder / "replay.gif"
     if target.suffix != ".gif":
         raise InputError(Mistake("--out", "", "a file ending in .gif", str(target)))
     check_own(target, option="--out")
     solid = model or default_model(source)
+    check_known(solid, source.histories, "--model")
     window_s = _window(source.histories[solid])
     frames = list(_frames(source, solid, window_s, _chart(source, window_s)))
     with writing(target) as fresh:

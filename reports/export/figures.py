@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, check_known
 from harness.model.files import check_own, writing
 from harness.records.base import Record
 from harness.records.effects3d import EffectsRecord
@@ -157,12 +157,9 @@ def write_figures(
     `model` chooses the model of a study's panels, such as `pymunk (own impact)`; default: its first.
     Raises `InputError` for an unknown format, width or model, or a record that holds nothing to draw.
     """
-    for value, known, option in [
-        *((item, FORMATS, "--format") for item in formats),
-        (width, tuple(WIDTHS_MM), "--width"),
-    ]:
-        if value not in known:
-            raise InputError(Mistake(option, "", f"one of {', '.join(known)}", repr(value)))
+    for each in formats:
+        check_known(each, FORMATS, "--format")
+    check_known(width, WIDTHS_MM, "--width")
     record = read_result(folder)
     width_px = pixels_across(WIDTHS_MM[width])
     pictures = {name: printed(drawn, width_px, words) for name, words, drawn in _pictures(folder, record, model)}
@@ -200,8 +197,8 @@ def _panels(record: StudyRecord, model: str | None) -> Iterator[tuple[str, str, 
     """The panels of a study for every restitution, of which its page shows one."""
     panels = record.panels or []
     known = list(dict.fromkeys(name for panel in panels for name in panel.curves))
-    if known and model is not None and model not in known:
-        raise InputError(Mistake("--model", "", f"one of {', '.join(known)}", repr(model)))
+    if known and model is not None:
+        check_known(model, known, "--model")
     for restitution in sorted({panel.restitution for panel in panels}):
         mine = [panel for panel in panels if panel.restitution == restitution]
         chosen = model or next(iter(mine[0].curves))

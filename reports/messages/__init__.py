@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final
 
-from harness.model.errors import InputError, Mistake, printable
+from harness.model.errors import check_known, printable
 from harness.model.finding import Finding
 
 FOLDER: Final = Path(__file__).parent
@@ -333,8 +333,7 @@ def probability_text(share: float) -> str:
 @cache
 def language(code: str) -> Language:
     """The language of a code. Raises `InputError` for one without a file."""
-    if code not in LANGUAGES:
-        raise InputError(Mistake("--language", "", f"one of {', '.join(LANGUAGES)}", repr(code)))
+    check_known(code, LANGUAGES, "--language")
     return Language(code)
 
 

@@ -19,7 +19,7 @@ from harness.accuracy.forecast import run_s
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, check_known
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
@@ -268,8 +268,7 @@ def run_trust(
 
     Raises `InputError` for wrong input, or `resume` where nothing was begun.
     """
-    if motion not in MOTIONS:
-        raise InputError(Mistake("--motion", "", f"one of {', '.join(MOTIONS)}", repr(motion)))
+    check_known(motion, MOTIONS, "--motion")
     check_folder(folder, ("trust",), [RECORD, COMING, *PAGES, CELLS_NAME])
     scene = load_scene(path, overrides)
     check_inputs(folder, [RECORD, CELLS_NAME], [path, *read_files(scene.given, scene.source)])
