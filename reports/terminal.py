@@ -75,8 +75,7 @@ def _assess_rows(record: AssessRecord, _verbose: bool) -> list[str]:
 def _block(shown: Table | None) -> list[str]:
     """The first columns of a page's table."""
     rows = [] if shown is None else [shown.heads, *shown.rows]
-    told = [[str(cell).replace("\u00a0", " ") for cell in row[:TOLD_COLUMNS]] for row in rows]
-    return table(told) if told else []
+    return table([[str(cell) for cell in row[:TOLD_COLUMNS]] for row in rows])
 
 
 def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
@@ -129,7 +128,7 @@ def _body_rows(record: ValidationRecord, most: int | None) -> list[str]:
 
 def rate(item: Interval | None) -> str:
     """A share with its interval, in per cent."""
-    return ENGLISH.value(item and [item.value, item.low, item.high], "rate").replace("\u00a0", " ")
+    return ENGLISH.value(item and [item.value, item.low, item.high], "rate")
 
 
 def _trust_rows(record: TrustRecord, _verbose: bool) -> list[str]:
@@ -175,9 +174,10 @@ def _cut(text: str) -> str:
 
 def table(rows: Sequence[Sequence[str]]) -> list[str]:
     """Rows of cells as aligned lines, the first row their heading; nearer to each other where a line would be cut."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    plain = [[cell.replace("\u00a0", " ") for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*plain, strict=True)]
     gap = "  " if sum(widths) + 2 * len(widths) <= COLUMNS else " "
-    lines = [gap.join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    lines = [gap.join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)) for row in plain]
     return [_cut(f"  {line}".rstrip()) for line in lines]
 
 
@@ -189,17 +189,11 @@ def _first(heading: Sequence[Sequence[str]], rows: Sequence[Sequence[str]], most
     return [*lines, f"  {further} further {what.split()[further > 1]} (--verbose)"] if further else lines
 
 
-def _clock(seconds: float | None) -> str:
-    if seconds is None:
-        return "–"
-    return f"{ENGLISH.digits(seconds, 2)} s" if seconds >= 1e-3 else f"{ENGLISH.digits(1e3 * seconds, 2)} ms"
-
-
 def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
     """Of a statue on the floor the slip is its own, which the analytic model does not have."""
     outcome = ENGLISH.strings[f"short.{run.outcome.value}"]
     if run.outcome.failed:
-        return [outcome, "–", "–", "–", _clock(run.cpu_s)]
+        return [outcome, "–", "–", "–", ENGLISH.unit(run.cpu_s, "s", 2)]
     if run.no_return_time_s is not None:
         outcome += f" at {ENGLISH.digits(run.no_return_time_s, 3)} s"
     if outside_domain(run):
@@ -217,10 +211,10 @@ def _engine_cells(run: Run, scene: SceneRecord) -> list[str]:
         until = min(run.reliable_until_s, run.end_s)
         known = f"{run.numerical_uncertainty_rad:.0e} rad to {ENGLISH.digits(until, 3)} s"
     slip_m = standing(run, "statue_slip_m") if scene.pedestal is None else peak_slip_m(run)
-    slip = "–" if slip_m is None else ENGLISH.length(slip_m if slip_m > STILL_M else 0.0).replace("\u00a0", " ")
+    slip = "–" if slip_m is None else ENGLISH.length(slip_m if slip_m > STILL_M else 0.0)
     if outside_domain(run) and slip_m is not None:
         slip = f"({slip})"
-    return [outcome, peak, slip, known, _clock(run.cpu_s)]
+    return [outcome, peak, slip, known, ENGLISH.unit(run.cpu_s, "s", 2)]
 
 
 def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:

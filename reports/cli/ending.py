@@ -113,11 +113,9 @@ def say_record(record: Record, folder: Path, saying: OutputOptions, language: st
         typer.echo(printable(f"the result stands in {folder}; {pages}"), err=True)
         raise
     except Exception as fault:
-        page_name = ", ".join(getattr(fault, "__notes__", ["a page"]))
-        fault_text = (
-            f"{page_name} could not be made, {type(fault).__name__}: {fault}; a fault of rockcheck: please report it"
-        )
-        typer.echo(printable(f"error: {fault_text}"), err=True)
+        name = ", ".join(getattr(fault, "__notes__", ["a page"]))
+        what = f"{name} could not be made, {type(fault).__name__}: {fault}"
+        typer.echo(printable(f"error: {what}; a fault of rockcheck: please report it"), err=True)
         raise typer.Exit(FAILED) from fault
     if not saying.silent:
         typer.echo(printable(f"report: {page}"))
