@@ -623,9 +623,9 @@ def _asked(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition
     keys = {**record.vary, **(cases[0].varied if cases else {})}  # what is scattered stands in the cases alone
     varied = [say.key(key) or say("key.other") for key in keys]
     variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
-    said = [say("study.varied", keys=say.listed(dict.fromkeys(varied)))] if varied else []
     names = say.listed(say("study.quoted", name=name) for name in variants)
-    return [*said, *([say("study.variants", names=names)] if len(variants) > 1 else [])]
+    sentences = {"study.varied": varied, "study.variants": len(variants) > 1}
+    return told(say, sentences, keys=say.listed(dict.fromkeys(varied)), names=names)
 
 
 def _strength(cases: Sequence[Condition]) -> str | None:

@@ -13,7 +13,6 @@ from harness.records.run import RunRecord, balance_share, outside_domain
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.blocks import (
     Block,
-    Cell,
     Chart,
     Chip,
     Details,
@@ -21,7 +20,6 @@ from reports.blocks import (
     Facts,
     Group,
     Replay,
-    Row,
     Table,
     Text,
     command_line,
@@ -135,7 +133,7 @@ def _details(source: RunSource, say: Language) -> list[Block]:
     record = source.record
     met = {name: facts(say, limits(run, source.histories.get(name), say)) for name, run in source.runs.items()}
     known = [Group("", [each], name) for name, each in met.items() if each.pairs]
-    rows: list[Row] = [[Cell(name, tip=tip), *cells] for name, tip, cells in score_rows(record.scores, say)]
+    rows = score_rows(record.scores, say)
     scores = Table(say("table.scores"), ["", *(f"{each.a} – {each.b}" for each in record.scores.values())], rows)
     settings = Group("columns", [Group("", [facts(say, run.settings)], name) for name, run in source.runs.items()])
     command = command_line("run", source.scene.file or "scene.toml", *(record.asked or ()), e=[*source.runs])

@@ -15,7 +15,7 @@ from harness.records.assess import Assessment
 from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
 from harness.records.study import CaseRun, StudyRow, Value
-from reports.blocks import Chip, Verdict, code, verdict
+from reports.blocks import Cell, Chip, Verdict, code, verdict
 from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
@@ -221,23 +221,23 @@ def horizon_s(source: RunSource) -> float | None:
     return min((run.bounded_until_s for run in source.runs.values() if run.bounded_until_s < run.end_s), default=None)
 
 
-def score_rows(scores: Mapping[str, Scores], say: Language = ENGLISH) -> list[tuple[str, str, list[str]]]:
-    """The table of scores, in the order of the catalogue's meanings: words, meaning, one cell per pair.
+def score_rows(scores: Mapping[str, Scores], say: Language = ENGLISH) -> list[tuple[Cell, *tuple[str, ...]]]:
+    """The table of scores, in the order of the catalogue's meanings: words with their meaning, one cell per pair.
 
     Each has its numerical uncertainty where it is stated.
     """
-    rows = []
-    for name in (name for name in say.strings if name.startswith("meaning.")):
-        key = name.removeprefix("meaning.")
-        if any(getattr(item, key) not in (None, []) for item in scores.values()):
-            rows.append((say.label(key), say(name), [_score(item, key, say) for item in scores.values()]))
-    return rows
+    keys = [name.removeprefix("meaning.") for name in say.strings if name.startswith("meaning.")]
+    return [
+        (Cell(say.label(key), tip=say(f"meaning.{key}")), *(_score(item, key, say) for item in scores.values()))
+        for key in keys
+        if any(getattr(item, key) not in (None, []) for item in scores.values())
+    ]
 
 
 def scores_text(pair: str, scores: Scores) -> str:
     """One pair's scores as lines for a terminal: the verdict and what is to be said beside it, a table in words."""
     lines = [f"{pair.replace('_vs_', ' against ')}:", *(f"  {ENGLISH.say(each)}" for each in scores.findings)]
-    rows = [(words, cells[0]) for words, _, cells in score_rows({pair: scores})]
+    rows = [(name.text, cells[0]) for name, *cells in score_rows({pair: scores})]
     if scores.iso is not None:
         rows.append((ENGLISH.label("iso"), ENGLISH.digits(scores.iso.overall, 4)))
     width = max((len(words) for words, _ in rows), default=0)
