@@ -1,7 +1,5 @@
 """How long a model can predict a scene at all: perturbed starts of that model alone."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The one registry of engines, loaded on demand."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Final

@@ -15,8 +15,6 @@ How to add an engine
 5. Add one line to the registry in `harness/engines/__init__.py`, and run `make test`.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """pybullet as an engine; its first import, without the line that its C code writes to stderr."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """Bullet behind the layer that locates events: its own step, rows read and written, and what its contacts need next."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Final

@@ -4,8 +4,6 @@ A plane touches a rigid body only at vertices of its convex hull, whatever lies 
 vertex is the body's exact contact with floor and wall, with one fixed contact point each.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

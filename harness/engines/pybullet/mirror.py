@@ -6,8 +6,6 @@ asked then; without the skip `mirror` it is. Bullet's rigid bodies serve in plac
 step from the impulses of the last, and their friction, a pyramid along the sliding, is in the plane the same as a cone.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Final, Literal

@@ -1,7 +1,5 @@
 """The phases of one run: where integration begins, and which shapes the statue needs when."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Settings of a pybullet run: every parameter is sent every time, because some outlive a client."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final, Literal
 

@@ -1,7 +1,5 @@
 """Collision shapes: spheres at the vertices that touch, planes for floor, wall and pedestal's top, convex bodies for edges."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass

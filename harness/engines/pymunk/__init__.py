@@ -1,7 +1,5 @@
 """pymunk (Chipmunk): rigid polygons in the rocking plane, contact by iterated impulses. docs/engines.md."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import replace

@@ -5,8 +5,6 @@ move later. Its step size never changes, as that would corrupt the impulses that
 gravity is scaled and the bodies are placed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Final

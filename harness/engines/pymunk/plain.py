@@ -5,8 +5,6 @@ them, so that where the two agree the contact engine itself has confirmed the an
 thing that Chipmunk does not know: the floor's follows the pedestal's own velocity (`harness.engines.stepping.coulomb.followed`).
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from typing import ClassVar, Final, final

@@ -1,7 +1,5 @@
 """What pymunk can be told: numbers alone, so that the engine can say that it is missing where pymunk cannot be imported."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from harness.engines.base import Settings

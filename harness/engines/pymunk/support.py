@@ -4,8 +4,6 @@ A step moves a turning body along the tangent of its vertex's circle, ω² h dt�
 one step lets the statue fall freely and comes back as a blow: an impact met in such a step has the wrong ratio, by up to a tenth.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left
 from itertools import pairwise

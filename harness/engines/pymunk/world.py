@@ -1,7 +1,5 @@
 """The scene as pymunk bodies: statue, pedestal, floor and wall in the rocking plane; and how Chipmunk is stepped and read."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """When a vertex of the base comes down: the gap of every foot over its support, and how fast it closes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -5,8 +5,6 @@ pedestal breaks loose acts with what lies between. A limit that is wrong in the 
 goes on acting, shows here however small its effect on the motion.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Final

@@ -5,8 +5,6 @@ places it is of second order; so the gravity of the step from t_n to t_{n+1} is 
 step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections.abc import Callable
