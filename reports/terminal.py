@@ -223,8 +223,6 @@ def _pair_rows(pairs: Sequence[Scores], most: int) -> list[str]:
     rows = [
         [f"{each.a} – {each.b}", ENGLISH.strings[f"pair.{each.verdict.name.lower()}"], _when(each)] for each in order
     ]
-    if most < 1:
-        return []
     return _first([], rows, most if len(rows) <= most else most - 1, "pair pairs")
 
 

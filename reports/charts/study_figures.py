@@ -155,10 +155,10 @@ def curve_figures(
 
 def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: Language) -> Json:
     """Outcome and, where a statue that stands rocks or slides, largest rotation and slip; of one that falls these say nothing."""
-    looks, along = model_looks(models), sorted(members, key=lambda item: float(item.varied[key]))
+    looks, along = model_looks(models), sorted(members, key=lambda item: item.number(key))
     parts: list[Json] = [
         {
-            "name": model, "x": [float(item.varied[key]) for item, _ in runs],
+            "name": model, "x": [item.number(key) for item, _ in runs],
             "outcome": [told_symbol(run, say)[1] for _, run in runs],
             "theta": [abs(run.peak_theta_rad) if _stands(run) else None for _, run in runs],
             "slip": [1e3 * run.peak_slip_m if _stands(run) else None for _, run in runs],
@@ -284,7 +284,7 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
     for model, style in model_looks(models).items():
         least: dict[float, float | None] = {}
         for item, run in runs_of(conditions, model):
-            angle, size_of = float(item.varied[turn]), abs(item.number(size))
+            angle, size_of = item.number(turn), abs(item.number(size))
             known = least.setdefault(angle, None)
             if run.outcome.overturned:
                 least[angle] = size_of if known is None else min(known, size_of)

@@ -639,7 +639,7 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     ends: dict[float, set[str]] = {}
     for item in cases:
         answered = {told_family(row.run) for row in item.answers.values() if row.run is not None}
-        ends.setdefault(abs(float(item.varied[key])), set()).update(answered)
+        ends.setdefault(abs(item.number(key)), set()).update(answered)
     safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
     return max(safe, default=None)
 
@@ -649,7 +649,7 @@ def _bore(record: StudyRecord, cases: Sequence[Condition], say: Language) -> lis
     key = _strength(cases)
     if key is None:
         return []
-    safe, tried = _borne(cases, key), [abs(float(item.varied[key])) for item in cases]
+    safe, tried = _borne(cases, key), [abs(item.number(key)) for item in cases]
     level = min(tried) if safe is None else safe
     return [say("study.weakest" if safe is None else "study.borne", level=_level(record, key, level, say))]
 
@@ -695,8 +695,8 @@ def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float
         return {}
     own, (_, unit) = scan_turn_deg(record.scene), _strength_unit(record, strength)
     borne = {}
-    for angle in {float(item.varied[turn]) for item in cases}:
-        safe = _borne([item for item in cases if float(item.varied[turn]) == angle], strength)
+    for angle in {item.number(turn) for item in cases}:
+        safe = _borne([item for item in cases if item.number(turn) == angle], strength)
         for side in (0.0, 180.0):
             borne[(own - angle + side) % 360.0] = (safe or 0.0) * unit
     return borne

@@ -166,6 +166,13 @@ def test_the_gif_of_an_unknown_model_is_refused(folder: Path, tmp_path: Path) ->
     assert not (tmp_path / "x.gif").exists()
 
 
+def test_a_gif_is_of_a_run_alone(table: Path) -> None:
+    with pytest.raises(InputError) as refused:
+        write_gif(table)
+    (mistake,) = refused.value.mistakes
+    assert (mistake.key, mistake.wanted, mistake.got) == ("kind", "run", "'study'")
+
+
 def test_a_stress_run_has_a_map_of_each_engine_with_its_words(written: Callable[[str], Path]) -> None:
     folder = written("stress")
     record = read_result(folder)

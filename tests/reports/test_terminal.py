@@ -11,6 +11,7 @@ import pytest
 from harness import Outcome, RunRecord
 from harness.input.motions.inspect import inspect_file
 from harness.model.finding import caution, changes_answer, info, texted
+from harness.records.scores import Verdict
 from reports.messages import ENGLISH
 from reports.terminal import COLUMNS, LINES, motion_lines, record_lines, table
 
@@ -127,3 +128,23 @@ def test_an_outcome_outside_the_models_domain_stands_in_brackets(record: RunReco
         lines = record_lines(replace(record, runs={**record.runs, "analytic": run}))
         line = next(line for line in lines if line.startswith(told))
         assert bool(re.search(r"\([\d.]+ [cm]?m\)", line)) is (validity is not own.validity)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "times", "told"),
+    [
+        (Verdict.MODEL, {"exceeded_s": 1.25}, "from 1.25 s"),
+        (Verdict.HORIZON, {"exceeded_s": 3.0, "horizon_s": 2.5}, "until 2.50 s"),
+        (Verdict.DOMAIN, {"left_domain_s": 0.75}, "from 0.750 s"),
+        (Verdict.UNBOUNDED, {}, "bounded"),
+    ],
+)
+def test_a_pair_that_differs_says_from_or_until_when(
+    record: RunRecord, verdict: Verdict, times: dict[str, float], told: str
+) -> None:
+    name, pair = next(iter(record.scores.items()))
+    unknown = {"exceeded_s": None, "horizon_s": None, "left_domain_s": None}
+    differs = replace(pair, verdict=verdict, evidence=replace(pair.evidence, **(unknown | times)))
+    lines = record_lines(replace(record, scores={**record.scores, name: differs}))
+    (row,) = [line for line in lines if line.startswith(f"  {pair.a} – {pair.b}")]
+    assert row.endswith(told)
