@@ -274,12 +274,6 @@ __all__ = ["Scores", "compare"]
 
 TOGETHER_RAD: Final = 0.01
 """Two histories count as together while no further apart than this: 1.5 cm at the top of a statue of 1.5 m."""
-OF_HISTORIES: Final = (
-    "compared_from_s", "compared_until_s", "coverage", "rms_theta_rad", "largest_difference_rad", "rms_slip_m",
-    "together_until_s", "residual_theta_difference_rad", "residual_slip_difference_m", "magnitude", "phase", "combined",
-    "after_horizon",
-)  # fmt: skip
-"""Scores that want two histories."""
 
 
 def compare(
@@ -396,7 +390,6 @@ def _scores(
 ) -> Scores:
     """What can be said of any two answers, also of a run that kept only its outcome; nothing of single instants."""
     verdict, evidence, findings = judge(*sides, both)
-    of_histories: dict[str, Any] = dict.fromkeys(OF_HISTORIES)
     # Where one history has not begun or has ended, no event of the other is missing from it.
     common_s = (-math.inf, until_s) if both is None else (both.start_s, min(both.end_s, until_s))
     return Scores(
@@ -404,7 +397,6 @@ def _scores(
         b=sides[1].name,
         horizon_s=until_s if math.isfinite(until_s) else None,
         together_tolerance_rad=TOGETHER_RAD,
-        **of_histories,
         **_peaks(*peaks),
         **event_scores(*excursions, inertia, common_s),
         **_outcomes(*sides),

@@ -183,21 +183,21 @@ class Scores(Shown):
     # The two names and the stretch of time in which instants are compared.
     a: str
     b: str
-    compared_from_s: float | None
-    compared_until_s: float | None
-    coverage: float | None
+    compared_from_s: float | None = None
+    compared_until_s: float | None = None
+    coverage: float | None = None
     horizon_s: float | None
     # Differences sample by sample.
-    rms_theta_rad: float | None
-    largest_difference_rad: float | None
-    rms_slip_m: float | None
+    rms_theta_rad: float | None = None
+    largest_difference_rad: float | None = None
+    rms_slip_m: float | None = None
     # The largest rotations.
     peak_theta_a_rad: float
     peak_theta_b_rad: float
     peak_ratio: float | None
     peak_time_difference_s: float | None
     # How long the two stay within a tolerance.
-    together_until_s: float | None
+    together_until_s: float | None = None
     together_tolerance_rad: float
     # Matched uplifts and impacts.
     uplift_time_differences_s: Sequence[float]
@@ -212,12 +212,12 @@ class Scores(Shown):
     impact_energy_lost_a_j: Sequence[float | None] | None
     impact_energy_lost_b_j: Sequence[float | None] | None
     # Differences of the last values.
-    residual_theta_difference_rad: float | None
-    residual_slip_difference_m: float | None
+    residual_theta_difference_rad: float | None = None
+    residual_slip_difference_m: float | None = None
     # By Sprague and Geers, 0 is perfect: M and C are None when the reference never moves, P and C when either does not.
-    magnitude: float | None
-    phase: float | None
-    combined: float | None
+    magnitude: float | None = None
+    phase: float | None = None
+    combined: float | None = None
     # How both ended; `outcome_agrees` for two falls whichever way; `side_agrees` is of falls alone.
     outcome_a: Outcome | None
     outcome_b: Outcome | None
@@ -225,7 +225,7 @@ class Scores(Shown):
     side_agrees: bool | None = None
     no_return_time_difference_s: float | None
     # The whole.
-    after_horizon: AfterHorizon | None
+    after_horizon: AfterHorizon | None = None
     numerical_uncertainty: Mapping[str, float | None]
     verdict: Verdict
     evidence: Evidence
