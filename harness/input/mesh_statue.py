@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from harness.input import paths
-from harness.input.tables import MeshTable, StatueTable
+from harness.input.tables import AdjustTable, MeshTable, StatueTable
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Axes, Finding, Say, Shown, caution, info, new_axes
 from harness.model.history import Array
@@ -287,7 +287,7 @@ def _adjusted(solid: Solid, mesh: MeshTable, found: list[Finding]) -> Solid:
     from meshes.survey import adjusted
 
     wanted = mesh.adjust
-    if wanted is None:
+    if wanted == AdjustTable():
         return solid
     shares = {"centroid": wanted.centroid_rel, "base": wanted.base_rel, "inertia": wanted.inertia_rel}
     if changes := {name: share for name, share in shares.items() if share}:

@@ -82,7 +82,7 @@ class MeshTable(UserTable):
     use_survey: Annotated[
         tuple[Literal["centroid_height_m", "inertia_kg_m2"], ...], BeforeValidator(list_to_tuple)
     ] = ()
-    adjust: AdjustTable | None = None
+    adjust: AdjustTable = Field(default_factory=AdjustTable)
 
 
 class StatueTable(UserTable):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, Field
 
@@ -163,17 +163,6 @@ def _impact(model: BaseModel, place: str, spread: Lognormal | Normal | Uniform |
     return Uncertain(IMPACT, spread.kind, value, width / (static - kinetic))
 
 
-def _or_default(table: BaseModel, name: str) -> Any:
-    """A key's value; of a table that is not given (`statue.mesh.adjust`), the one with its defaults, where all have one."""
-    value, kind = getattr(table, name), type(table).model_fields[name].annotation
-    if value is not None:
-        return value
-    for one in get_args(kind):
-        if isinstance(one, type) and issubclass(one, BaseModel):
-            return None if any(field.is_required() for field in one.model_fields.values()) else one()
-    return None
-
-
 def _number(model: BaseModel, key: str) -> float | None:
     """The number at a dotted key of a validated scene, None where there is none."""
     place: Any = model
@@ -181,7 +170,7 @@ def _number(model: BaseModel, key: str) -> float | None:
         if isinstance(place, Mapping):
             place = place.get(part)
         elif isinstance(place, BaseModel) and part in type(place).model_fields:
-            place = _or_default(place, part)
+            place = getattr(place, part)
         else:
             return None
     return float(place) if isinstance(place, (int, float)) and not isinstance(place, bool) else None
