@@ -7,10 +7,11 @@ from typing import Any, Final
 import numpy as np
 
 from harness import Run, Scene, Verdict, compare
+from harness.comparison.comparator import COVERAGE
 from harness.comparison.side import left_domain
 from harness.model.history import pair
 
-MUST_SHOW: Final = 3.0
+MUST_SHOW: Final = COVERAGE + 1.0
 """An effect above this multiple of the joint uncertainty must be found (see `harness.comparison.comparator.COVERAGE`)."""
 
 
