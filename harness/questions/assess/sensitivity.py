@@ -96,21 +96,19 @@ def fragility_of(factors: Sequence[float], answers: Sequence[ModelDraws], model:
 
 
 def factors_at(factors: Sequence[float], probability: Sequence[float]) -> dict[str, float | None]:
-    """The factors at which the probability is 5, 16 and 50 %; None where it never is."""
-    rising = np.maximum.accumulate(np.nan_to_num(probability))
-    return {f"{asked:.2f}": _crossing(factors, rising, asked) for asked in ASKED}
+    """The factors at which the probability first reaches 5, 16 and 50 %; None where it never does."""
+    rising = np.maximum.accumulate(np.nan_to_num(probability)).tolist()
+    return {f"{asked:.2f}": crossing(rising, math.nextafter(asked, 0.0), factors) for asked in ASKED}
 
 
-def _crossing(factors: Sequence[float], rising: Array, asked: float) -> float | None:
-    """The factor at which a rising curve first reaches a probability, on a logarithmic axis; None where it never does."""
-    over = np.flatnonzero(rising >= asked)
-    if over.size == 0:
-        return None
-    k = int(over[0])
-    if k == 0:
-        return float(factors[0])
-    share = (asked - rising[k - 1]) / (rising[k] - rising[k - 1])
-    return float(np.exp(np.log(factors[k - 1]) + share * np.log(factors[k] / factors[k - 1])))
+def crossing(heights: Sequence[float], level: float, at: Sequence[float]) -> float | None:
+    """Where a value is first above a level, between two points in proportion on a logarithmic scale (halfway to no number)."""
+    above = next((j for j, height in enumerate(heights) if height > level), None)
+    if above is None or above == 0:
+        return None if above is None else at[0]
+    low, high = heights[above - 1], heights[above]
+    share = (level - low) / (high - low) if math.isfinite(high) else 0.5
+    return float(at[above - 1] * (at[above] / at[above - 1]) ** share)
 
 
 def indices(scene: Scene, inputs: Sequence[Uncertain], seed: int) -> dict[str, Index]:

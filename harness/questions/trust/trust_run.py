@@ -24,6 +24,7 @@ from harness.model.finding import Answer, Finding, Say, caution, changes_answer,
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
 from harness.questions.assess.by_model import SAMPLE_S
+from harness.questions.assess.sensitivity import crossing
 from harness.questions.scene.workload import check as check_work
 from harness.questions.study.case_selection import filled, refined
 from harness.questions.trust.plane import Plane, Point, below, to_ask
@@ -443,16 +444,6 @@ def _height(name: str, cell: TrustCell, duration_s: float) -> float | None:
     if cell["peak_over_alpha"] is None:
         return math.inf if cell["outcomes"][MODEL] in ("overturned", "undecided") else None
     return cell["peak_over_alpha"]
-
-
-def crossing(heights: Sequence[float], level: float, at: Sequence[float]) -> float | None:
-    """Where a value is first above a level, between two points in proportion on a logarithmic scale (halfway to no number)."""
-    above = next((j for j, height in enumerate(heights) if height > level), None)
-    if above is None or above == 0:
-        return None if above is None else at[0]
-    low, high = heights[above - 1], heights[above]
-    share = (level - low) / (high - low) if math.isfinite(high) else 0.5
-    return float(at[above - 1] * (at[above] / at[above - 1]) ** share)
 
 
 def doubtful(chances: Mapping[Point, Interval]) -> list[Point]:

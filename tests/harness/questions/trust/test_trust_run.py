@@ -19,6 +19,7 @@ import harness
 from harness import InputError, Scene, engines, load_scene, read_result
 from harness.accuracy.forecast import Range
 from harness.model.finding import Severity
+from harness.questions.assess.sensitivity import crossing
 from harness.questions.trust import plane, trust_run
 from harness.questions.trust.plane import Plane, Point
 from harness.questions.trust.point import MODEL, Said
@@ -27,7 +28,6 @@ from harness.questions.trust.trust_run import (
     answer_of,
     confirmed_up_to_g,
     contour,
-    crossing,
     doubtful,
     engines_of,
     explored,
