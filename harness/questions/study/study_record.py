@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from harness.comparison.scores.events import RockingInertia, excursions, lost_j
 from harness.input.tables import ContactTable
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -25,7 +26,7 @@ from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.case_selection import recheck
 from harness.questions.study.cases import BaseScene, base_of, expand
-from harness.questions.study.claims import WALL_RAD, energy_lost_j, last_impact_s
+from harness.questions.study.claims import WALL_RAD
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.file import StudyFile
 from harness.questions.study.study_run import Summary, study_name
@@ -313,11 +314,14 @@ def _curve(history: History) -> ThinnedHistory:
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
     weighed: dict[str | None, tuple[float | None, float | None]] = {}
+    inertia = RockingInertia.of(scene.statue)
     for key in {row.key for row in rows if row.key is not None}:
         history = store.history(key)
         if history is not None:
-            losses = energy_lost_j(history, scene.pivot_inertia_kg_m2)
-            weighed[key] = float(np.mean(losses)) if losses.size else None, last_impact_s(history)
+            told = excursions(history)
+            losses_j, impacts_s = (each[np.isfinite(each)] for each in (lost_j(told, inertia), told.impact_s))
+            until_s = float(impacts_s[-1]) if impacts_s.size else 0.0
+            weighed[key] = float(losses_j.mean()) if losses_j.size else None, until_s
     shown = []
     for row in rows:
         loss_j, last_s = weighed.get(row.key, (None, None))
