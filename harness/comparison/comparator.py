@@ -11,7 +11,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from harness.comparison.scores import events, pointwise
-from harness.comparison.scores.events import RockingInertia, after_horizon, event_scores, numerical_uncertainty
+from harness.comparison.scores.events import Inertia, after_horizon, event_scores, numerical_uncertainty
 from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
 from harness.comparison.scores.pointwise import rate as rate_by_iso
 from harness.comparison.side import Side, side_of
@@ -325,7 +325,7 @@ def compare(
     # Of what did not end standing nothing has come to rest; beyond the horizon no last value is known.
     rested = all(side.rests or side.outcome is None for side in sides) and until >= both.end_s
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
-    inertia = None if scene is None else RockingInertia.of(scene.statue)
+    inertia = None if scene is None else scene.pivot_inertia_kg_m2
     scores = _scores(sides, both, peaks, excursions, inertia, until)
     if measured is not None:
         cut_s = within.end_s if within.end_s < both.end_s else None
@@ -385,7 +385,7 @@ def _scores(
     both: Pair | None,
     peaks: tuple[Peak, Peak],
     excursions: tuple[events.Excursions, events.Excursions],
-    inertia: RockingInertia | None,
+    inertia: Inertia | None,
     until_s: float,
 ) -> Scores:
     """What can be said of any two answers, also of a run that kept only its outcome; nothing of single instants."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,7 +13,6 @@ from numpy.typing import NDArray
 from harness.comparison.side import Side
 from harness.comparison.statistics import distributions
 from harness.model.history import Array, History, Pair
-from harness.model.scene import Statue
 from harness.records.scores import AfterHorizon, Apart, PeaksApart
 
 # Two histories beyond the horizon, where no instant of one can be asked of the other: their distributions.
@@ -281,7 +281,7 @@ ALWAYS: Final = (-math.inf, math.inf)
 
 
 def event_scores(
-    a: Excursions, b: Excursions, inertia: RockingInertia | None, common_s: tuple[float, float] = ALWAYS
+    a: Excursions, b: Excursions, inertia: Inertia | None, common_s: tuple[float, float] = ALWAYS
 ) -> dict[str, Any]:
     """Matched uplifts and impacts of two histories, and the energy that each matched impact takes; pairs whose event in b, and
     events alone, come before or after the stretch `common_s` are left out."""
@@ -345,25 +345,16 @@ def _list(values: Array) -> tuple[float | None, ...]:
     return tuple(None if math.isnan(value) else value for value in values.tolist())
 
 
-@dataclass(frozen=True)
-class RockingInertia:
-    """J_s about each corner, for the kinetic energy of rocking, ½ J_s θ̇² (docs/model.md, section 1)."""
-
-    left_kg_m2: float
-    right_kg_m2: float
-
-    @classmethod
-    def of(cls, statue: Statue) -> RockingInertia:
-        """J_s = J_G + m (h² + b_s²) of a statue's two corners."""
-        h, m, j = statue.centroid_height_m, statue.mass_kg, statue.inertia_kg_m2
-        return cls(*(j + m * (h * h + b * b) for b in (statue.corner_left_m, statue.corner_right_m)))
-
-    def about(self, side: NDArray[Any]) -> Array:
-        """J of the corner on each side (+1 right, −1 left), shape of `side`."""
-        return np.where(side > 0, self.right_kg_m2, self.left_kg_m2)
+Inertia = Mapping[int, float]
+"""J_s about the corner on each side (+1 right, −1 left), for the energy of rocking, ½ J_s θ̇² (docs/model.md, section 1)."""
 
 
-def share_lost(excursions: Excursions, inertia: RockingInertia | None) -> Array:
+def _about(inertia: Inertia, side: NDArray[Any]) -> Array:
+    """J of the corner on each side, shape of `side`."""
+    return np.where(side > 0, inertia[1], inertia[-1])
+
+
+def share_lost(excursions: Excursions, inertia: Inertia | None) -> Array:
     """Share of the rocking energy lost in each impact, shape (k,); NaN where the history ends before it, or has too few
     samples to tell a rate before or after it.
 
@@ -374,14 +365,14 @@ def share_lost(excursions: Excursions, inertia: RockingInertia | None) -> Array:
     before, after = excursions.rate_before_rad_s, excursions.rate_after_rad_s
     ratio = np.ones_like(before)
     if inertia is not None:
-        ratio = inertia.about(np.sign(after)) / inertia.about(excursions.side)
+        ratio = _about(inertia, np.sign(after)) / _about(inertia, excursions.side)
     energy = before * before
     lost: Array = 1.0 - np.divide(ratio * after * after, energy, out=np.full_like(energy, np.nan), where=energy > 0.0)
     return lost
 
 
-def lost_j(excursions: Excursions, inertia: RockingInertia) -> Array:
+def lost_j(excursions: Excursions, inertia: Inertia) -> Array:
     """Energy in J that each impact takes from the rocking motion, shape (k,)."""
-    before = 0.5 * inertia.about(excursions.side) * excursions.rate_before_rad_s**2
+    before = 0.5 * _about(inertia, excursions.side) * excursions.rate_before_rad_s**2
     taken: Array = share_lost(excursions, inertia) * before
     return taken

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.comparison.scores.events import RockingInertia, excursions, lost_j
+from harness.comparison.scores.events import excursions, lost_j
 from harness.input.tables import ContactTable
 from harness.model import run as record
 from harness.model.errors import InputError, Mistake
@@ -314,12 +314,13 @@ def _curve(history: History) -> ThinnedHistory:
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
     weighed: dict[str | None, tuple[float | None, float | None]] = {}
-    inertia = RockingInertia.of(scene.statue)
     for key in {row.key for row in rows if row.key is not None}:
         history = store.history(key)
         if history is not None:
             told = excursions(history)
-            losses_j, impacts_s = (each[np.isfinite(each)] for each in (lost_j(told, inertia), told.impact_s))
+            losses_j, impacts_s = (
+                each[np.isfinite(each)] for each in (lost_j(told, scene.pivot_inertia_kg_m2), told.impact_s)
+            )
             until_s = float(impacts_s[-1]) if impacts_s.size else 0.0
             weighed[key] = float(losses_j.mean()) if losses_j.size else None, until_s
     shown = []
