@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from harness.model.finding import Answer, Finding, caution, changes_answer, info
+from harness.model.finding import Answer, Finding, caution, info
 from harness.questions.assess.by_model import MODEL
 from harness.questions.assess.clearance import PLANAR_DEG
 from harness.records.assess import (
@@ -39,7 +39,7 @@ NEGLIGIBLE: Final = 0.01
 
 def answer_of(record: AssessRecord) -> Answer:
     """The headline: the probability, the reserve, the most effective option, the clearance."""
-    found = list(probability(record.answers)) or [changes_answer("no_answer", asked=len(record.assessment))]
+    found = [probability(record.answers)]
     code = found[0].code
     alone = "plane" if record.plane_only else "alone" if record.contradicted else ""
     found += [] if record.fragility is None else [reserve(record.fragility, alone)]
@@ -78,15 +78,13 @@ def findings_of(record: AssessRecord) -> list[Finding]:
     return found
 
 
-def probability(answers: Mapping[str, Assessment], *, contradicted: bool = False) -> Iterator[Finding]:
+def probability(answers: Mapping[str, Assessment], *, contradicted: bool = False) -> Finding:
     """How probable a fall is, by the answer in which it is the most probable.
 
     The interval of one model's draws holds neither another model nor a friction that nobody knows: so a number is `about`; where
     draws have no answer, or an engine answered a sample of them, the interval is told, and where it is wide no number at all.
     `contradicted`: with the values as given a model in space ends otherwise, by what a model in the plane leaves out.
     """
-    if not answers:
-        return
     name = worst(answers)
     item = answers[name]
     values = {
@@ -101,13 +99,12 @@ def probability(answers: Mapping[str, Assessment], *, contradicted: bool = False
         "sampler": item.sampler,
     }
     if not item.tells:
-        yield caution("probability_open", **values)
-    elif item.undecided or item.sampled:
-        yield caution("probability_between", **values)
-    elif item.probability_overturned in (0.0, 1.0):
-        yield info("probability_extreme", none=item.probability_overturned == 0.0, **values)
-    else:
-        yield info("probability", **values)
+        return caution("probability_open", **values)
+    if item.undecided or item.sampled:
+        return caution("probability_between", **values)
+    if item.probability_overturned in (0.0, 1.0):
+        return info("probability_extreme", none=item.probability_overturned == 0.0, **values)
+    return info("probability", **values)
 
 
 def _other_commands(answers: Mapping[str, Assessment], file: str | None, *, pedestal: bool) -> Iterator[Finding]:

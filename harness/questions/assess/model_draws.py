@@ -61,8 +61,7 @@ def uncertain_inputs(scene: Scene) -> tuple[Uncertain, ...]:
 
 def _assumed(key: str, value: float) -> Uncertain:
     given = assumption(key)
-    if given is None:
-        raise KeyError(key)
+    assert given is not None
     return Uncertain(key, given.kind, value, given.width)
 
 

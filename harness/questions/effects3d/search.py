@@ -127,12 +127,7 @@ CONDITIONS: Final[Mapping[str, EffectCondition]] = {
 
 
 def changed_scene(scene: Scene, condition: str, azimuth_deg: float) -> Scene:
-    """The scene under a condition with the statue turned.
-
-    Raises `InputError` for an unknown condition, or where the changed statue does not stand.
-    """
-    if condition not in CONDITIONS:
-        raise InputError(Mistake("conditions", condition, f"one of {', '.join(CONDITIONS)}", repr(condition)))
+    """The scene under one of `CONDITIONS` with the statue turned. Raises `InputError` where the changed statue does not stand."""
     try:
         return turned(CONDITIONS[condition].change(scene), azimuth_deg)
     except MeshError as error:

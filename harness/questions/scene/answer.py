@@ -62,7 +62,7 @@ def answer_of(
     if assessment:
         from harness.questions.assess.answer import probability  # not for a run that asks for none
 
-        parts += probability(assessment, contradicted=_ends_by_plane(runs, judged))
+        parts.append(probability(assessment, contradicted=_ends_by_plane(runs, judged)))
     parts += _until(known, judged)
     parts += [*_plane(judged), *decided]
     flipping = [each for name, each in horizons.items() if name in known and len(_reached(each)) > 1]

@@ -230,9 +230,7 @@ def motion_of(trial: Trial, inputs: Inputs, fewer: bool = False) -> BaseExcitati
     `fewer`: a file's in as few samples as say as much. Raises `InputError`.
     """
     if trial.motion is None:
-        if trial.scene is None:
-            wanted = "a file with the table's motion"
-            raise InputError(Mistake(trial.body, f"test {trial.name}: motion", wanted, "nothing"))
+        assert trial.scene is not None
         return _scene(trial.scene).base_excitation
     treatment = (trial.motion_unit, trial.time_column, inputs.baseline, inputs.bandpass_hz)
     read = _thinned if fewer else _component

@@ -128,7 +128,7 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     across = replace(on_pedestal, base_excitation=excitation)
     alone = assess_models(across, draws=20)
     assert list(alone) == ["analytic"]
-    assert [each.values["planar"] for each in probability(alone)] == [["in_plane"]]
+    assert probability(alone).values["planar"] == ["in_plane"]
     mine = replace(record, assessment=alone, scene=replace(record.scene, file="my scene.toml"))
     (command,) = (each for each in findings_of(mine) if each.code == "assess_in_space")
     assert command.values == {"file": "'my scene.toml'"}, "as a shell takes it"
@@ -185,7 +185,7 @@ def test_draws_outside_the_models_domain_are_open_where_no_engine_answers(monkey
     assert found.left_domain > 0.99
     assert (found.low, found.high, found.sampled) == (0.0, 1.0, 0)
     assert not found.tells
-    assert [each.code for each in probability({"analytic": found})] == ["probability_open"]
+    assert probability({"analytic": found}).code == "probability_open"
     low = assess_models(replace(TALL, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
     assert low.tells
 
@@ -300,7 +300,7 @@ def test_draws_that_touch_the_wall_are_told_as_such() -> None:
     ends = analytic_outcomes(walled, 300)
     assert 0.9 < found.touches_wall == ends.count("touches_wall") / len(ends)
     assert found.undecided >= found.touches_wall
-    (open_,) = probability({"analytic": found})
+    open_ = probability({"analytic": found})
     assert open_.code == "probability_open"
     assert open_.values["touches_wall"] == found.touches_wall
     assert open_.values["undecided"] == pytest.approx(found.undecided - found.touches_wall)
