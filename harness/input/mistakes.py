@@ -171,7 +171,6 @@ def _resolve(
     path: list[str] = []
     named = False  # whether the next part is a name that the user gave in a table of tables
     for number, part in enumerate(location):
-        last = number == len(location) - 1
         tagged = [m for m in candidates if _tag_of(m) == part]
         table = next((each for each in candidates if part in each.model_fields), None)
         if table is not None and not (tagged and len(candidates) > 1):  # the tag of one may be a key of another
@@ -184,16 +183,13 @@ def _resolve(
             path += str(part).split(".")
             named = False
             continue
-        if last and unknown:
+        if unknown and number == len(location) - 1:
             owner = candidates[0] if len(candidates) == 1 else None
             path.append(str(part))
         elif tagged:
             candidates = tagged
         elif isinstance(part, int):
             path.append(str(part))
-        elif last and not TYPE_NAME.fullmatch(part):
-            owner = candidates[0] if len(candidates) == 1 else None
-            path.append(part)
     return tuple(path), owner
 
 

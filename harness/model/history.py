@@ -100,8 +100,7 @@ def pair(a: History, b: History, *, hold_a: bool = False, hold_b: bool = False) 
 def _times(a_s: Array, b_s: Array, start: float, end: float) -> Array:
     inside = [t[np.searchsorted(t, start) : np.searchsorted(t, end, side="right")] for t in (a_s, b_s)]
     finer = max(inside, key=len)
-    if finer.size == 0:
-        return np.array([start])
+    # The history that begins last has a sample at the start.
     if finer[-1] < end:
         finer = np.append(finer, end)
     return finer if finer[0] == start else np.insert(finer, 0, start)

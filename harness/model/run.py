@@ -306,8 +306,6 @@ def to_plain(value: Any) -> Any:
         return {each.name: to_plain(item) for each, item in own if item is not None or "omitted" not in each.metadata}
     if hasattr(value, "tolist"):
         return to_plain(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
     return value
 
 

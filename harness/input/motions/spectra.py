@@ -87,9 +87,7 @@ def design_spectrum(target: Target) -> DesignSpectrum:
 def _horizontal(target: Target) -> tuple[tuple[float, float, float, float], str]:
     """S, TB, TC and TD of a horizontal spectrum, and what they follow from."""
     if target.soil is None:
-        S, TB, TC, TD = target.S, target.TB_s, target.TC_s, target.TD_s
-        if S is None or TB is None or TC is None or TD is None:
-            raise ValueError("a validated target has a whole shape or a soil")
+        S, TB, TC, TD = (key or 0.0 for key in (target.S, target.TB_s, target.TC_s, target.TD_s))
         return (S, TB, TC, TD), f"S = {S:g}"
     if target.code == "ec8":
         return _EC8_SOILS[target.type or 1][target.soil], f"type {target.type}, soil {target.soil}"
