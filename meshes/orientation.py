@@ -177,14 +177,10 @@ def up_doubted(mesh: RawMesh) -> tuple[Doubt, ...]:
     hull = _Hull.of(mesh)
     bases = _bases(mesh, hull)
     standing = [base for base in bases if base.up[2] > np.cos(SAME_RAD)]
-    if standing:
-        other = _other_end(standing[0], bases, hull)
-        if other is None or _is_column(standing[0], other):
-            return ()
-    else:
-        other = max(bases, key=lambda base: base.area, default=None)
-        if other is None:
-            return ()
+    broadest = max(bases, key=lambda base: base.area, default=None)
+    other = _other_end(standing[0], bases, hull) if standing else broadest
+    if other is None or (standing and _is_column(standing[0], other)):
+        return ()
     return (Doubt("scan_up", {"up": name_direction(other.up), "area": other.area, "height": other.height}),)
 
 
