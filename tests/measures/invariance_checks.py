@@ -1,4 +1,4 @@
-"""Hard questions that are not one file: repeated, mirrored, perturbed, permuted, refined, and motions that are none.
+"""Hard questions that are not one file: mirrored, perturbed, permuted, refined.
 
 `python -m tests.measures.invariance_checks` asks them all and prints a line for each; 1 where one does not hold.
 """
@@ -15,7 +15,7 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
-from harness import InputError, Run, RunOptions, engines
+from harness import Run, RunOptions, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model.scene import BaseExcitation, Scene
@@ -51,9 +51,9 @@ SAME: Final = RunOptions(skips=frozenset())
 FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "motion": harmonic(0.429, 3.0)}
 
 
-def _row(name: str, answers: Mapping[str, Sequence[Measure]], wanted: str = HOLDS) -> HardRow:
-    got = {engine: wanted if checks.all_hold(measured) else "wrong" for engine, measured in answers.items()}
-    return HardRow(name, wanted, got, all(each == wanted for each in got.values()), answers)
+def _row(name: str, answers: Mapping[str, Sequence[Measure]]) -> HardRow:
+    got = {engine: HOLDS if checks.all_hold(measured) else "wrong" for engine, measured in answers.items()}
+    return HardRow(name, HOLDS, got, all(each == HOLDS for each in got.values()), answers)
 
 
 def _here(names: tuple[str, ...]) -> list[Engine]:
@@ -75,18 +75,6 @@ def _apart(one: Run, other: Run, sign: float = 1.0) -> float:
     if one.history is None or other.history is None or one.history.t_s.shape != other.history.t_s.shape:
         return math.inf
     return float(np.max(np.abs(one.history.theta_rad - sign * other.history.theta_rad)))
-
-
-def _repeated() -> HardRow:
-    """The same scene twice, another one between."""
-    scene, other = scene_of("one", FORCED), scene_of("another", leaning(COLUMN, 0.5, 0.5))
-    answers: dict[str, Sequence[Measure]] = {}
-    for engine in _here(ALL):
-        first = _run(engine, scene)
-        _run(engine, other)
-        apart = _apart(first, _run(engine, scene))
-        answers[engine.name] = [checks.within("apart_rad", apart, 0.0)]
-    return _row("the same scene twice, another between: bit for bit", answers)
 
 
 def _mirrored() -> HardRow:
@@ -226,39 +214,14 @@ def _points(count: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return np.vstack([base, dome])
 
 
-def _no_motion() -> HardRow:
-    """Motions with NaN, without samples, with one sample."""
-    files = {
-        "NaN": "t_s,a\n0,0\n0.01,nan\n0.02,0\n",
-        "empty": "",
-        "no samples": "t_s,a\n",
-        "one sample": "t_s,a\n0,1\n",
-    }
-    answers: list[Measure] = []
-    with tempfile.TemporaryDirectory(prefix="rockcheck-stress-") as name:
-        file = Path(name) / "motion.csv"
-        for what, text in files.items():
-            file.write_text(text, encoding="utf-8")
-            motion = {"x": {"kind": "record", "file": str(file), "column": "a", "unit": "m/s2"}}
-            try:
-                scene_of(what, {"duration_s": 1.0, "statue": COLUMN, "motion": motion})
-            except InputError:
-                answers.append(Measure("refused", holds=True, case=what))
-            else:
-                answers.append(Measure("refused", holds=False, case=what))
-    return _row("motions with NaN, without samples, with one sample", {"reading": answers}, "refused")
-
-
 ASKED: Final[Sequence[Callable[[], HardRow]]] = (
     _far,
     _hulls,
     _touched,
     _permuted,
-    _repeated,
     _mirrored,
     _perturbed,
     _refined,
-    _no_motion,
 )
 """What is asked beside the hard scenes and is not one file."""
 

@@ -37,6 +37,7 @@ def _line(number: int, text: str) -> Callable[[list[str]], list[str]]:
         (lambda lines: [*lines[:60], *lines[90:]], "a gap of 0.31 s from 0.58 s"),
         (lambda lines: [*lines[:-1], "1.9"], "the file is cut off"),
         (lambda lines: lines[:2], "two samples or more"),
+        (lambda lines: lines[:1], "a.csv"),
         (lambda lines: [lines[0].replace("_ms2", ""), *lines[1:]], "wanted an acceleration unit"),
         (lambda lines: [lines[0].replace("t_s", "x"), *lines[1:]], "a column of times"),
         (lambda lines: [lines[0], *(f"{line.split(',')[0]},0" for line in lines[1:])], "nothing but zeros"),
