@@ -59,6 +59,7 @@ def test_the_picture_holds_every_trace_and_the_target(data_dir: Path) -> None:
         {"kind": "harmonic", "amplitude_g": 0.3, "frequency_hz": 2.0},
         {"kind": "pulse", "shape": "rectangular", "amplitude_g": 0.3, "duration_s": 0.5},
         {"kind": "pulse", "shape": "one_sine", "amplitude_g": 0.3, "duration_s": 0.5, "floor": [{"period_s": 0.3}]},
+        {"kind": "samples", "dt_s": 0.01, "accel_m_s2": [0.0, 1.5, -3.0, 2.0, 0.5, 0.0]},
     ],
 )
 def test_components_without_a_file(keys: dict[str, Any]) -> None:
