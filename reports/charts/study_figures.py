@@ -59,16 +59,15 @@ def design_figures(
     """
     if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
         return []
-    figures = []
-    for model in models if len(conditions) <= MOST_PLACES else ():
-        peak = _value_map(model, conditions, axes, _standing_peak, "rad", STILL_RAD, say, marked=False)
-        if peak is not None:
-            figures.append((say("chart.map_peak", model=model), peak))
-    for model in models:
-        slip = _value_map(model, conditions, axes, lambda run: 1000.0 * run.peak_slip_m, "mm", 1e3 * STILL_M, say)
-        if slip is not None:
-            figures.append((say("chart.map_slip", model=model), slip))
-    return figures
+    peaks = {
+        say("chart.map_peak", model=model): _value_map(model, conditions, axes, _standing_peak, "rad", STILL_RAD, say, False)
+        for model in models if len(conditions) <= MOST_PLACES
+    }  # fmt: skip
+    slips = {
+        say("chart.map_slip", model=model): _value_map(model, conditions, axes, _slip_mm, "mm", 1e3 * STILL_M, say)
+        for model in models
+    }
+    return [(title, drawn) for title, drawn in (peaks | slips).items() if drawn is not None]
 
 
 def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[Finding]:
@@ -93,6 +92,10 @@ def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: t
         at = {} if others else {key: best.number(key) for key in axes}
         found.append(info("best_design", good=len(good), designs=len(runs), slip_m=slip_m, at=at, model=model))
     return found
+
+
+def _slip_mm(run: CaseRun) -> float:
+    return 1e3 * run.peak_slip_m
 
 
 def _standing_peak(run: CaseRun) -> float:
