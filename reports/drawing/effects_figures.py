@@ -78,12 +78,17 @@ def rose(record: EffectsRecord, say: Language = ENGLISH) -> Picture:
     outline = np.asarray(record.scene.statue.footprint_m, dtype=np.float64)[:, :2]
     base = plane(0.26 * RADIUS / float(np.abs(outline).max()), (0.0, 0.0), CENTRE)
     lifts = _places({row.azimuth_deg: row.lifts_g for row in record.static}, most)
-    under = [path(base(outline), closed=True, stroke="#6d6353", width=1.2), disc(*CENTRE, 2.5, fill=INK)]
-    for row in record.bands:
-        if row.low_g is not None:
-            ends = [_places({row.azimuth_deg: value}, most)[0] for value in (row.low_g, row.high_g)]
-            under.append(path(ends, stroke=INK, width=9, opacity=0.28))
-    under.append(path(lifts, closed=True, fill="#cdd3da", opacity=0.55))
+    bars = [
+        [_places({row.azimuth_deg: value}, most)[0] for value in (row.low_g, row.high_g)]
+        for row in record.bands
+        if row.low_g is not None
+    ]
+    under = [
+        path(base(outline), closed=True, stroke="#6d6353", width=1.2),
+        disc(*CENTRE, 2.5, fill=INK),
+        *(path(ends, stroke=INK, width=9, opacity=0.28) for ends in bars),
+        path(lifts, closed=True, fill="#cdd3da", opacity=0.55),
+    ]
     return rose_of(curves(record, say), most, " g", under, say)
 
 
@@ -94,14 +99,15 @@ def rose_of(
 
     Each joins neighbouring directions of all that were asked: what lies between others is not known.
     """
-    shapes = [*_grid(most, unit, say), *under]
     asked = sorted({azimuth for curve in drawn for azimuth in curve.peaks})
-    for curve in drawn:
-        shapes += _curve(curve, asked, most, unit, say)
-    for k, curve in enumerate(drawn):
-        y = SIZE + 12.0 + KEY_ROW * k
-        shapes.append(path([(40.0, y), (72.0, y)], **_style(curve)))
-        shapes.append(text(80.0, y + 4.0, curve.name, "start"))
+    keys = [(SIZE + 12.0 + KEY_ROW * k, curve) for k, curve in enumerate(drawn)]
+    shapes = [
+        *_grid(most, unit, say),
+        *under,
+        *(shape for curve in drawn for shape in _curve(curve, asked, most, unit, say)),
+        *(path([(40.0, y), (72.0, y)], **_style(curve)) for y, curve in keys),
+        *(text(80.0, y + 4.0, curve.name, "start") for y, curve in keys),
+    ]
     return Picture(SIZE, SIZE + KEY_ROW * len(drawn) + 8.0, shapes)
 
 
@@ -120,30 +126,31 @@ def _style(curve: RoseCurve) -> dict[str, Any]:
 def _grid(most: float, unit: str, say: Language) -> list[str]:
     """Rings at round values, and a line every 30 degrees."""
     values = rings(most, RINGS)
-    shapes = [disc(*CENTRE, RADIUS * value / most, stroke=HAIRLINE) for value in values]
-    for azimuth in range(0, 360, 30):
-        end = _places({azimuth: most}, most)[0]
-        shapes.append(path([CENTRE, end], stroke=HAIRLINE))
-        x, y = (end + 0.085 * (end - CENTRE)).tolist()
-        shapes.append(text(x, y + 4.0, f"{azimuth}°", colour=MUTED))
-    for value in values:
-        x, y = _places({75.0: value}, most)[0].tolist()
-        shapes.append(text(x, y + 4.0, f"{say.short(value)}{unit}", colour=MUTED, halo=True))
-    return shapes
+    rays = {azimuth: _places({azimuth: most}, most)[0] - CENTRE for azimuth in range(0, 360, 30)}
+    names = {f"{azimuth}°": CENTRE + 1.085 * ray for azimuth, ray in rays.items()}
+    told = {f"{say.short(value)}{unit}": _places({75.0: value}, most)[0] for value in values}
+    return [
+        *(disc(*CENTRE, RADIUS * value / most, stroke=HAIRLINE) for value in values),
+        *(path([CENTRE, CENTRE + ray], stroke=HAIRLINE) for ray in rays.values()),
+        *(text(x, y + 4.0, words, colour=MUTED) for words, (x, y) in names.items()),
+        *(text(x, y + 4.0, words, colour=MUTED, halo=True) for words, (x, y) in told.items()),
+    ]
 
 
 def _curve(curve: RoseCurve, asked: Sequence[float], most: float, unit: str, say: Language) -> list[str]:
     places = {azimuth: (x, y) for azimuth, (x, y) in zip(curve.peaks, _places(curve.peaks, most).tolist(), strict=True)}
     whole = len(places) == len(asked)
     around = [places.get(azimuth, (math.nan, math.nan)) for azimuth in [*asked, *([] if whole else asked[:1])]]
-    shapes = [path(around, closed=whole, **_style(curve))]
-    for azimuth, peak in curve.peaks.items():
-        tip = f"{curve.name}, {say.short(azimuth)}°: " + (
-            say("ends.stands") if peak is None else f"{say.digits(peak)}{unit}"
-        )
-        colour = curve.look.colour
-        shapes.append(disc(*places[azimuth], 3.0, fill="#fff" if peak is None else colour, stroke=colour, title=tip))
-    return shapes
+    colour = curve.look.colour
+    ends = {at: say("ends.stands") if peak is None else f"{say.digits(peak)}{unit}" for at, peak in curve.peaks.items()}
+    tips = {at: f"{curve.name}, {say.short(at)}°: {end}" for at, end in ends.items()}
+    return [
+        path(around, closed=whole, **_style(curve)),
+        *(
+            disc(*places[at], 3.0, fill="#fff" if peak is None else colour, stroke=colour, title=tips[at])
+            for at, peak in curve.peaks.items()
+        ),
+    ]
 
 
 def changes(record: EffectsRecord, say: Language = ENGLISH) -> Json:

@@ -192,11 +192,12 @@ def reach_svg(
     if sides:
         left, right = place([(side, 0.0) for side in sides])[:, 0].tolist()
         shapes.append(box(left, ground - scale * lift, right - left, scale * lift, fill="#c3c8cf", stroke="#59636f"))
-    shapes.append(path(place(rest), closed=True, **STATUE))
-    shapes += [path(place(lean), closed=True, stroke=INK, width=1.6, dash="2 4") for lean in balances]
-    shapes += [path(place(lean), closed=True, **FARTHEST) for lean in leans]
-    if gauge_rad is not None:
-        shapes += _gauge(*gauge_rad, say)
+    shapes += [
+        path(place(rest), closed=True, **STATUE),
+        *(path(place(lean), closed=True, stroke=INK, width=1.6, dash="2 4") for lean in balances),
+        *(path(place(lean), closed=True, **FARTHEST) for lean in leans),
+        *(_gauge(*gauge_rad, say) if gauge_rad is not None else ()),
+    ]
     if wall is not None:
         x = float(place((wall, 0.0))[0, 0])
         shapes.append(box(x if wall > 0.0 else x - 12.0, 20, 12, ground - 20, fill=WALL))
@@ -258,20 +259,20 @@ def push_svg(
     scale = reach / most
     place = plane(scale, (0.0, 0.0), (middle, middle))
     shares = rings(most, MOST_RINGS)
-    shapes = [disc(middle, middle, scale * share, stroke=HAIRLINE) for share in shares]
-    shapes += [path(place(most * np.outer((-1, 1), along)), stroke=HAIRLINE) for along in np.eye(2)]
-    shapes.append(path(place(safe), closed=True, fill=SAFE, opacity=0.22))
-    shapes.append(path(place(safe), closed=True, stroke=SAFE, width=2))
-    shapes += [disc(middle, middle, scale * slip, stroke=PEDESTAL_COLOUR, width=2, dash="7 4") for slip in slips]
-    if len(stood):
-        shapes.append(path(place(stood), closed=True, stroke=FLOOR_COLOUR, width=2.5))
-        shapes += [disc(x, y, 4, fill=FLOOR_COLOUR) for x, y in place(stood).tolist()]
-    if len(shaking):
-        shapes.append(path(place(shaking), stroke=SHAKING, width=1.2))
-    for share in shares:
-        diagonal = middle - 0.7071 * scale * share
-        shapes.append(text(diagonal, diagonal + 4, say.percent(share), colour=MUTED))
-    return _svg([*shapes, *_compass(say)], title)
+    diagonals = {share: middle - math.sqrt(0.5) * scale * share for share in shares}
+    shapes = [
+        *(disc(middle, middle, scale * share, stroke=HAIRLINE) for share in shares),
+        *(path(place(most * np.outer((-1, 1), along)), stroke=HAIRLINE) for along in np.eye(2)),
+        path(place(safe), closed=True, fill=SAFE, opacity=0.22),
+        path(place(safe), closed=True, stroke=SAFE, width=2),
+        *(disc(middle, middle, scale * slip, stroke=PEDESTAL_COLOUR, width=2, dash="7 4") for slip in slips),
+        path(place(stood), closed=True, stroke=FLOOR_COLOUR, width=2.5),
+        *(disc(x, y, 4, fill=FLOOR_COLOUR) for x, y in place(stood).tolist()),
+        path(place(shaking), stroke=SHAKING, width=1.2),
+        *(text(at, at + 4, say.percent(share), colour=MUTED) for share, at in diagonals.items()),
+        *_compass(say),
+    ]
+    return _svg(shapes, title)
 
 
 def _compass(say: Language) -> list[str]:
@@ -296,24 +297,24 @@ def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Marku
     low, high = np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
     scale, middle = (SIDE - 4 * MARGIN) / float((high - low).max()), SIDE / 2
     place = plane(scale, 0.5 * (low + high), (middle, middle))
-    shapes = [path(place(stone_m), closed=True, stroke="#59636f", width=1.2) for stone_m in corners[2:]]
-    shapes.append(path(place(plan.rest_m), closed=True, **STATUE))
-    if plan.room_m:
-        shapes.append(path(place(plan.moved_m), closed=True, **FARTHEST))
-    x = -1.0 if wall is None else float(place((wall, 0.0))[0, 0])
     # A wall farther away than the picture reaches is not drawn; its distance stands in words.
-    if wall is not None and 0.0 < x < SIDE:
-        shapes.append(box(x if wall > 0.0 else x - 8, 20, 8, SIDE - 40, fill=WALL))
+    x = -1.0 if wall is None else float(place((wall, 0.0))[0, 0])
+    walls = [x if wall > 0.0 else x - 8] if wall is not None and 0.0 < x < SIDE else []
     (left, bottom), (right, top) = place([plan.moved_m.min(axis=0), plan.moved_m.max(axis=0)]).tolist()
     at = {
         "left": (left - 6, middle + 16, "end"), "right": (right + 6, middle + 16, "start"),
         "front": (middle, bottom + 18, "middle"), "back": (middle, top - 8, "middle"),
     }  # fmt: skip
-    for side, room in plan.room_m.items():
-        x, y, anchor = at[side]
-        sign = ">\u00a0" if side == plan.struck else "+"
-        shapes.append(text(x, y, f"{sign}{say.length(room)}", anchor, SHAKING))
-    return _svg([*shapes, *_compass(say)], title)
+    told = {side: (">\u00a0" if side == plan.struck else "+") + say.length(room) for side, room in plan.room_m.items()}
+    shapes = [
+        *(path(place(stone_m), closed=True, stroke="#59636f", width=1.2) for stone_m in corners[2:]),
+        path(place(plan.rest_m), closed=True, **STATUE),
+        *(path(place(each), closed=True, **FARTHEST) for each in [plan.moved_m] if plan.room_m),
+        *(box(edge, 20, 8, SIDE - 40, fill=WALL) for edge in walls),
+        *(text(x, y, told[side], anchor, SHAKING) for side, (x, y, anchor) in at.items() if side in told),
+        *_compass(say),
+    ]
+    return _svg(shapes, title)
 
 
 def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
@@ -331,14 +332,18 @@ def order_svg(levels: Sequence[PushLevel], peak: float | None, title: str, say: 
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
     height = 64 + row * len(levels)
+    bars = [(52 + row * k, wide * level.push / most, level) for k, level in enumerate(levels)]
+    colours = {"pedestal_slides": PEDESTAL_COLOUR}
+    shapes = [box(10, y + 8, size, 26, fill=colours.get(level.cause, FLOOR_COLOUR)) for y, size, level in bars]
     # Words stand on all that is drawn, with a rim of their own.
-    shapes, words = list[str](), list[str]()
-    for k, level in enumerate(levels):
-        y, size = 52 + row * k, wide * level.push / most
-        colour = PEDESTAL_COLOUR if level.cause == "pedestal_slides" else FLOOR_COLOUR
-        shapes.append(box(10, y + 8, size, 26, fill=colour))
-        words.append(text(10, y, level.words, "start", INK))
-        words.append(text(16 + size, y + 26, say.percent(level.push), "start", INK))
+    words = [
+        each
+        for y, size, level in bars
+        for each in (
+            text(10, y, level.words, "start", INK),
+            text(16 + size, y + 26, say.percent(level.push), "start", INK),
+        )
+    ]
     if peak is not None:
         x = 10 + wide * peak / most
         shapes.append(path([(x, 24), (x, height - 8)], stroke=SHAKING, width=2, dash="6 4"))

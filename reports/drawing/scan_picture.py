@@ -88,10 +88,12 @@ def _standing(vertices: Array, faces: Faces, footprint: Array, weakest_deg: floa
     head = tip + 14.0 * np.array([[0.0, 0.0], back + 0.45 * across, back - 0.45 * across])
     if len(faces) > MOST_FACES:
         vertices, faces = decimated(vertices, faces, MOST_FACES)
-    shapes += _faces(vertices, faces, view, place(vertices))
-    shapes.append(path(place(footprint * [1.0, 1.0, 0.0]), closed=True, fill=BASE, stroke=BASE, width=2, opacity=0.35))
-    shapes.append(path([start, tip], stroke=WEAKEST, width=3))
-    shapes.append(path(head, closed=True, fill=WEAKEST))
+    shapes += [
+        *_faces(vertices, faces, view, place(vertices)),
+        path(place(footprint * [1.0, 1.0, 0.0]), closed=True, fill=BASE, stroke=BASE, width=2, opacity=0.35),
+        path([start, tip], stroke=WEAKEST, width=3),
+        path(head, closed=True, fill=WEAKEST),
+    ]
     return shapes, np.concatenate([ring[:, 1], place(vertices)[:, 1], [tip[1]]])
 
 

@@ -43,12 +43,12 @@ def shape(
 
 
 def path(points_px: ArrayLike, *, closed: bool = False, **style: Any) -> str:
-    """Straight lines through points (n, 2), in a style of `shape`; one that is not a number parts a line from the next."""
+    """Straight lines through points (n, 2), none of no points, in a style of `shape`; one that is not a number parts a line."""
     places = np.asarray(points_px).tolist()
     known = [math.isfinite(x) and math.isfinite(y) for x, y in places]
     starts = zip(places, known, [False, *known], strict=False)
     points = "".join(f"{'L' if after else 'M'}{x:.1f} {y:.1f}" for (x, y), there, after in starts if there)
-    return shape("path", {"d": points + "Z" * closed}, **style)
+    return shape("path", {"d": points + "Z" * closed}, **style) if points else ""
 
 
 def disc(x: float, y: float, radius: float, **style: Any) -> str:
