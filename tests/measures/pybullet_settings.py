@@ -108,7 +108,7 @@ def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: 
     setup = pose.prepare(scene).halved if half else pose.prepare(scene)
     schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
     gaps = run_phases.gaps_of(scene, setup, level) if level.events else None
-    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, impose=False, gaps=gaps)
+    watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, gaps=gaps)
     with World(level, setup) as world:
         build(world, scene, setup)
         start = time.process_time()

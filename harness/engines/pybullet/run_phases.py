@@ -123,7 +123,6 @@ def _watch(
         axis=axis,
         rest=rest,
         quiet_from=math.ceil(end_s / level.dt_s) if may_rest else None,
-        impose=scene.contact.restitution is not None,
         leave=edges if crossing is None else crossing,
         stop=options.stop,
         gaps=gaps_of(scene, setup, level, edges=crossing is not None) if level.events else None,

@@ -187,7 +187,6 @@ def _integrated(scene: Scene, own: MunkSettings, options: RunOptions) -> tuple[S
         gaps = ContactGaps(scene, feet_m, half_m, own.dt_s)
     watch = Watch(
         quiet_from=math.ceil(end_s / own.dt_s) if options.allows("quiet_end") and end_s < scene.duration_s else None,
-        impose=scene.contact.restitution is not None,
         stop=options.stop,
         gaps=gaps,
         ends_fallen=options.allows("stop_at_overturn"),

@@ -13,7 +13,7 @@ from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.step_log import Impulse
 from harness.engines.stepping.support import FLAT_M, pedestal_inertia_kg_m2
 from harness.model.history import Array
-from harness.model.scene import Pose, Scene
+from harness.model.scene import Pedestal, Pose, Scene
 
 # Chipmunk's own functions, called without pymunk's Python layer around each step.
 #
@@ -117,7 +117,8 @@ def build(scene: Scene, settings: MunkSettings) -> World:
     floor = space.static_body
     if scene.table == "moving":
         floor = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    pedestal = None if scene.pedestal is None else _pedestal(scene, settings)
+    centre_m = scene.statue.base_centre_m
+    pedestal = None if scene.pedestal is None else _pedestal(scene.pedestal, centre_m, settings)
     statue = _statue(scene, settings)
     dynamic = [statue] if pedestal is None else [statue, pedestal]
     if settings.pedestal_first:
@@ -148,15 +149,12 @@ def _floor(scene: Scene, space: pymunk.Space, floor: pymunk.Body) -> pymunk.Shap
     return shape
 
 
-def _pedestal(scene: Scene, settings: MunkSettings) -> pymunk.Body:
-    pedestal = scene.pedestal
-    if pedestal is None:
-        raise ValueError("the scene has no pedestal")
+def _pedestal(pedestal: Pedestal, centre_m: float, settings: MunkSettings) -> pymunk.Body:
     w, _, h = pedestal.half_m
     body = pymunk.Body(pedestal.mass_kg, pedestal_inertia_kg_m2(pedestal))
     shape = pymunk.Poly(body, [(-w, -h), (w, -h), (w, h), (-w, h)])
     shape.friction = 1.0
-    body.position = (scene.statue.base_centre_m + pedestal.offset_m, h - 0.5 * settings.slop_m)
+    body.position = (centre_m + pedestal.offset_m, h - 0.5 * settings.slop_m)
     return body
 
 

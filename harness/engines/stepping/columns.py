@@ -85,8 +85,6 @@ class Trajectory:
 
 JUMP_IN_G: Final = 10.0
 """An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
-PLANAR: Final = ("pedestal_tilt_rad",)
-"""What a planar engine has of these columns."""
 
 
 def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float) -> Trajectory:
@@ -116,7 +114,8 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
         # What slips is the edge on which it stands.
         slip = below[:, 0] - below[0, 0] - centroid_shift_m(scene.pedestal, tilt)
         slip_rate = moving[:, 0] - pedestal_spin * (half_height * np.cos(tilt) + half_width * np.abs(np.sin(tilt)))
-        extra |= {name: columns[name] for name in (PLANAR if axes is None else columns)}
+        # A planar engine has none but the tilt.
+        extra |= {name: columns[name] for name in (("pedestal_tilt_rad",) if axes is None else columns)}
     return Trajectory(
         t_s=t_s,
         theta_rad=theta,

@@ -143,17 +143,15 @@ LOOK_STEPS: Final = 64
 class Watch:
     """What a loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
 
-    `impose` says that impacts are the model's. `quiet_from` is the number of the step from which the table is still (None: the
-    run is not ended at rest). `leave` is asked now and then whether the statue may touch what this world leaves out, `stop`, with
-    time and rotation, whether the run may end, `wall` whether one was reached. `gaps` finds impacts; None leaves them to whole
-    steps, as they are while `edges` says that the pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a
-    run whose statue has overturned.
+    `quiet_from` is the number of the step from which the table is still (None: the run is not ended at rest). `leave` is asked now
+    and then whether the statue may touch what this world leaves out, `stop`, with time and rotation, whether the run may end,
+    `wall` whether one was reached. `gaps` finds impacts; None leaves them to whole steps, as they are while `edges` says that the
+    pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a run whose statue has overturned.
     """
 
     axis: Vector = UPRIGHT
     rest: Vector = UPRIGHT
     quiet_from: int | None = None
-    impose: bool = False
     leave: Callable[[Row], bool] | None = None
     stop: Callable[[float, float], bool] | None = None
     gaps: ContactGaps | None = None
@@ -392,7 +390,7 @@ def _touched(state: StepState, scene: Scene, gaps: ContactGaps, watch: Watch, ju
             return 0
         state.half_cycle = None
     contact_s, soonest, foot = gaps(state.row, stepper.table_place[2], stepper.table_rate[2])
-    if watch.impose:
+    if scene.contact.restitution is not None:
         return _imposed(state, scene, gaps, watch, soonest, jump_s)
     # Its velocity is of half a step ago: it may come sooner than at that.
     if contact_s == math.inf or state.t_s + min(contact_s, soonest) > state.next_s:
