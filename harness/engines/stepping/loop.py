@@ -143,8 +143,8 @@ LOOK_STEPS: Final = 64
 class Watch:
     """What a loop looks at: the statue's `axis` in its principal frame and in the world at `rest`, when and what to end.
 
-    `quiet_from` is the number of the step from which the table is still (None: the run is not ended at rest). `leave` is asked now
-    and then whether the statue may touch what this world leaves out, `stop`, with time and rotation, whether the run may end,
+    `quiet_from` is the number of the step from which the table is still (None: the run is not ended at rest). `leave` is asked
+    now and then whether the statue may touch what this world leaves out, `stop`, with time and rotation, whether the run may end,
     `wall` whether one was reached. `gaps` finds impacts; None leaves them to whole steps, as they are while `edges` says that the
     pedestal's edges may be met. `spells` finds times of rest; `ends_fallen` ends a run whose statue has overturned.
     """
