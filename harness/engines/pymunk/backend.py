@@ -11,19 +11,14 @@ from typing import Final
 
 from pymunk._chipmunk_cffi import lib
 
-from harness.engines.pymunk import world as chipmunk
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
-from harness.engines.pymunk.world import State, World
+from harness.engines.pymunk.world import State, World, contacts_of
 from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector
 from harness.engines.stepping.step_state import StepState
 
 Pair = tuple[float, float]
 
-set_place: Final = lib.cpBodySetPosition
-set_angle: Final = lib.cpBodySetAngle
-set_velocity: Final = lib.cpBodySetVelocity
-set_spin: Final = lib.cpBodySetAngularVelocity
 
 STICKS_AHEAD: Final = 4.0
 """Steps to a stick onset from which on it is looked for in each: its deceleration may grow as much as fourfold in one."""
@@ -75,25 +70,25 @@ class ChipmunkBackend:
 
     def impulses(self, places: Row) -> list[Impulse]:
         """What the contacts gave each body in the last step; empty where one that was lost came back."""
-        given = [chipmunk.contacts_of(body) for body in self.bodies]
+        given = [contacts_of(body) for body in self.bodies]
         return [each for each in given if each is not None] if None not in given else []
 
     def set_floor_friction(self, friction: float) -> None:
         """Coefficient of the pedestal on the floor from now on."""
-        chipmunk.set_friction(self.floor_shape, friction)
+        lib.cpShapeSetFriction(self.floor_shape, friction)
 
     def move_table(self, place_m: Vector, velocity_m_s: Vector) -> None:
         """Put the floor to where it is after Chipmunk's move."""
         (x, _, z), (u, _, w) = place_m, velocity_m_s
         # Until it is solved the statue has the velocity of the step before.
         self.floor, self.floor_m_s = (x, z, 0.0, *self.floor_m_s, 0.0), (u, w)
-        set_velocity(self.floor_body, (u, w))
+        lib.cpBodySetVelocity(self.floor_body, (u, w))
         self._place_floor(x, z)
 
     def _place_floor(self, x: float, z: float) -> None:
         """Where Chipmunk's move takes it to this place."""
         (u, w), step_s = self.floor_m_s, self.step_s
-        set_place(self.floor_body, (x - u * step_s, z - w * step_s))
+        lib.cpBodySetPosition(self.floor_body, (x - u * step_s, z - w * step_s))
 
     def prepare_step(self, state: StepState, kick_s: float, length_s: float) -> None:
         """What the next step's velocities lag behind, and will."""
@@ -158,15 +153,15 @@ class ChipmunkBackend:
             self._write(states)
         elif states is not self.states:
             x, z, angle, u, w, spin = states[0]
-            set_velocity(self.bodies[0], (u, w))
-            set_place(self.bodies[0], (x - u * self.step_s, z - w * self.step_s))
+            lib.cpBodySetVelocity(self.bodies[0], (u, w))
+            lib.cpBodySetPosition(self.bodies[0], (x - u * self.step_s, z - w * self.step_s))
             if angle != self.states[0][2]:
-                set_angle(self.bodies[0], angle - spin * self.step_s)
+                lib.cpBodySetAngle(self.bodies[0], angle - spin * self.step_s)
         if iterations != self.iterations:
-            chipmunk.set_iterations(self.space, iterations)
+            lib.cpSpaceSetIterations(self.space, iterations)
             self.iterations = iterations
-        chipmunk.set_gravity(self.space, pull)
-        chipmunk.step(self.space, self.step_s)
+        lib.cpSpaceSetGravity(self.space, pull)
+        lib.cpSpaceStep(self.space, self.step_s)
         # Chipmunk's places are now those at which contacts were found.
         self.states = self.read_states(self.length_s)
 
@@ -190,10 +185,10 @@ class ChipmunkBackend:
             old_x, old_z, old_angle, *_ = now
             moved_m = math.hypot(x - u * step_s - old_x, z - w * step_s - old_z)
             parts.write(moved_m, abs(angle - spin * step_s - old_angle), 0.0, 0.0, 0.0)
-            set_place(body, (x - u * step_s, z - w * step_s))
-            set_angle(body, angle - spin * step_s)
-            set_velocity(body, (u, w))
-            set_spin(body, spin)
+            lib.cpBodySetPosition(body, (x - u * step_s, z - w * step_s))
+            lib.cpBodySetAngle(body, angle - spin * step_s)
+            lib.cpBodySetVelocity(body, (u, w))
+            lib.cpBodySetAngularVelocity(body, spin)
 
 
 def row_of(states: Sequence[State]) -> Row:

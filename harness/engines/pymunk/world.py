@@ -24,13 +24,6 @@ from harness.model.scene import Pedestal, Pose, Scene
 State = tuple[float, float, float, float, float, float]
 """Place x, z, rotation (anticlockwise, as Chipmunk counts) and their rates."""
 
-step: Final = lib.cpSpaceStep
-set_gravity: Final = lib.cpSpaceSetGravity
-set_iterations: Final = lib.cpSpaceSetIterations
-set_friction: Final = lib.cpShapeSetFriction
-
-unpack: Final = ffi.unpack
-
 FIELDS: Final = (
     batch.BodyFields.POSITION | batch.BodyFields.ANGLE | batch.BodyFields.VELOCITY | batch.BodyFields.ANGULAR_VELOCITY
 )
@@ -81,7 +74,7 @@ class StateReader:
         floats.num = 0
         lib.cpSpaceEachBody(self._space, self._each, self._target)
         # Without a loop: it is done after every step.
-        x, z, angle, u, w, spin, *more = unpack(floats.arr, self._width)
+        x, z, angle, u, w, spin, *more = ffi.unpack(floats.arr, self._width)
         one = (x + u * seconds, z + w * seconds, angle + spin * seconds, u, w, spin)
         if not more:
             return [one]
