@@ -8,8 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib import metadata, util
 from pathlib import Path
@@ -20,7 +18,7 @@ from numpy.typing import NDArray
 
 from meshes import coacd_alone, text_cache
 from meshes.collision import thinned
-from meshes.mesh import Array, MeshError, RawMesh, manifold
+from meshes.mesh import Array, MeshError, RawMesh
 from meshes.prepare import simplified
 from meshes.solid import Solid
 
@@ -32,26 +30,12 @@ MAX_PARTS: Final = 32
 MAX_VERTICES: Final = 64
 LONGEST_S: Final = 300.0
 """Longest wait for a decomposition: twenty times the costliest of the table (`python -m tests.measures.exact_shapes`)."""
-FORM: Final = 1
+FORM: Final = 2
 """Number of what `decompose` does: raised when the same mesh would give other parts, so that kept ones are not taken."""
 
 
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """Convex parts of a statue, each by its corners (k, 3) in the statue frame, and how they fill it.
-
-    Both shares are volumes over the mesh's own: `excess_rel` of the parts outside it (overlaps counted once), `missing_rel` of
-    the mesh outside the parts.
-    """
-
-    parts: tuple[Array, ...]
-    excess_rel: float
-    missing_rel: float
-
-    @property
-    def vertices(self) -> int:
-        """Vertices of all parts."""
-        return sum(len(corners) for corners in self.parts)
+Parts = tuple[Array, ...]
+"""Convex parts of a statue, each by its corners (k, 3) in the statue frame."""
 
 
 def missing() -> str | None:
@@ -72,11 +56,10 @@ def parts_of(
 
     def made() -> str:
         parts = decompose(solid, concavity, max_parts, max_vertices)
-        return json.dumps([[corners.tolist() for corners in parts.parts], parts.excess_rel, parts.missing_rel])
+        return json.dumps([corners.tolist() for corners in parts])
 
     state = _state(solid, concavity, max_parts, max_vertices)
-    corners, excess_rel, missing_rel = json.loads(text_cache.made_once("parts", state, made))
-    return Parts(tuple(np.array(each) for each in corners), excess_rel, missing_rel)
+    return tuple(np.array(each) for each in json.loads(text_cache.made_once("parts", state, made)))
 
 
 def decompose(
@@ -104,8 +87,7 @@ def decompose(
     points = [np.array(piece.to_mesh64().vert_properties[:, :3]) for piece in inside if not piece.is_empty()]
     if not points:
         raise MeshError("convex parts of the statue", "an empty decomposition")
-    parts = tuple(thinned(corners, max_vertices)[0] for corners in points)
-    return Parts(parts, *_misfit(solid, parts))
+    return tuple(thinned(corners, max_vertices)[0] for corners in points)
 
 
 def _searched(vertices_m: Array, faces: NDArray[Any], options: tuple[float, int, int]) -> list[Array]:
@@ -134,16 +116,6 @@ def _searched(vertices_m: Array, faces: NDArray[Any], options: tuple[float, int,
 
 _FAILED: Final[dict[bytes, str]] = {}
 """Searches that ended without an answer: every level of a climb would end so again."""
-
-
-def _misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:
-    """Volume of the parts outside the mesh and of the mesh outside the parts, over the mesh's; exact differences."""
-    from manifold3d import Manifold, OpType
-
-    body = manifold(solid.vertices_m, solid.faces)
-    union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts], OpType.Add)
-    both, volume = float((union ^ body).volume()), float(body.volume())
-    return (float(union.volume()) - both) / volume, 1.0 - both / volume
 
 
 def _state(solid: Solid, *parameters: float) -> bytes:

@@ -24,6 +24,7 @@ from meshes.collision import thinned
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.prepare import Wanted, prepare
 from tests.meshes import toadstool, togatus
+from tests.meshes.shapes import misfit
 
 Array = NDArray[np.float64]
 
@@ -81,9 +82,11 @@ def budgets() -> Iterator[str]:
     for concavity in CONCAVITIES:
         begin = time.process_time()
         parts = decompose(solid, concavity)
+        took_s = time.process_time() - begin
+        more, less = misfit(solid, parts)
         yield (
-            f"| {len(parts.parts)} convex parts (concavity {concavity:g}) | adds {100.0 * parts.excess_rel:.1f} % to the body's"
-            f" volume, leaves out {100.0 * parts.missing_rel:.1f} % | {time.process_time() - begin:.1f} s |"
+            f"| {len(parts)} convex parts (concavity {concavity:g}) | adds {100.0 * more:.1f} % to the body's"
+            f" volume, leaves out {100.0 * less:.1f} % | {took_s:.1f} s |"
         )
 
 
@@ -101,7 +104,7 @@ class Bodies:
         from manifold3d import Manifold, Mesh64, OpType
 
         mesh = Manifold(Mesh64(np.array(solid.vertices_m), solid.faces.astype(np.uint64)))
-        union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts.parts], OpType.Add)
+        union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts], OpType.Add)
         return cls(mesh, Manifold.hull_points(np.array(solid.vertices_m)), union)
 
 
@@ -113,8 +116,8 @@ def shape_row(name: str, solid: Solid) -> str:
     bodies = Bodies.of(solid, parts)
     corners = len(bodies.hull.to_mesh64().vert_properties)
     whole = 100.0 * (bodies.hull.volume() / bodies.mesh.volume() - 1.0)
-    more, less = 100.0 * parts.excess_rel, 100.0 * parts.missing_rel
-    found = f"{len(parts.parts)}, {parts.vertices}, +{more:.1f}, −{less:.1f} %"
+    more, less = (100.0 * share for share in misfit(solid, parts))
+    found = f"{len(parts)}, {sum(map(len, parts))}, +{more:.1f}, −{less:.1f} %"
     return f"| {name} | {corners}, +{whole:.0f} % | {found} | {made:.1f} s |"
 
 

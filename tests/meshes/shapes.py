@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes import Solid
 from meshes.mesh import manifold
 from meshes.repair import Part
 from tests.meshes.loft import loft
@@ -44,3 +45,13 @@ def union(parts: Sequence[Part]) -> Part:
 
     mesh = Manifold.batch_boolean([manifold(*part) for part in parts], OpType.Add).to_mesh64()
     return np.asarray(mesh.vert_properties[:, :3], dtype=np.float64), np.asarray(mesh.tri_verts, dtype=np.int64)
+
+
+def misfit(solid: Solid, parts: Sequence[Array]) -> tuple[float, float]:
+    """Volume of convex parts outside a mesh (overlaps counted once) and of the mesh outside them, over the mesh's; exact."""
+    from manifold3d import Manifold, OpType
+
+    body = manifold(solid.vertices_m, solid.faces)
+    union = Manifold.batch_boolean([Manifold.hull_points(points) for points in parts], OpType.Add)
+    both, volume = float((union ^ body).volume()), float(body.volume())
+    return (float(union.volume()) - both) / volume, 1.0 - both / volume

@@ -230,7 +230,7 @@ def _hull(statue: Statue) -> tuple[Array, ...]:
 def _parts(statue: Statue) -> tuple[Array, ...]:
     from meshes.decomposition import parts_of
 
-    return () if statue.solid is None else _drawn_inside(parts_of(statue.solid).parts)
+    return () if statue.solid is None else _drawn_inside(parts_of(statue.solid))
 
 
 def _drawn_inside(bodies_m: tuple[Array, ...]) -> tuple[Array, ...]:
