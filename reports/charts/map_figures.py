@@ -372,13 +372,18 @@ def sets(cell: TrustCell) -> list[str]:
 
 def tip(cell: TrustCell, say: Language = ENGLISH) -> str:
     """What a point says under the pointer."""
-    lines = [shaking(cell, say), f"{say.word(cell['class'])}, {say('text.basis_' + cell['basis'])}"]
-    lines += [say("chart.why", why=say.listed(map(say.word, cell["why"])))] if cell["why"] else []
-    lines += [f"{name}: {say.word(end)}" for name, end in cell["outcomes"].items()]
-    lines += [say("chart.agree_until", time=say.digits(cell["agree_until_s"]))] if cell["agree_until_s"] else []
-    for name, chance in cell["probability"].items():
-        share, low, high = map(say.percent, (chance.value, chance.low, chance.high))
-        lines.append(say("chart.probability", name=name, share=share, low=low, high=high))
+    chances = {
+        name: dict(zip(("share", "low", "high"), map(say.percent, (each.value, each.low, each.high)), strict=True))
+        for name, each in cell["probability"].items()
+    }
+    lines = [
+        shaking(cell, say),
+        f"{say.word(cell['class'])}, {say('text.basis_' + cell['basis'])}",
+        *([say("chart.why", why=say.listed(map(say.word, cell["why"])))] if cell["why"] else []),
+        *(f"{name}: {say.word(end)}" for name, end in cell["outcomes"].items()),
+        *([say("chart.agree_until", time=say.digits(cell["agree_until_s"]))] if cell["agree_until_s"] else []),
+        *(say("chart.probability", name=name, **shares) for name, shares in chances.items()),
+    ]
     return "\n".join(lines)
 
 

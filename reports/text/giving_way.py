@@ -257,21 +257,26 @@ def levels(
     if across:
         for side, push in zip(("back", "front"), reach_m(safe, [90.0, 270.0]).tolist(), strict=True):
             tips.setdefault(side, push)
+    slides, stone = say("order.pedestal_slides"), pedestal_tips(scene, support)
     pushes = [
-        PushLevel(say("order.tips", side=say(f"side.{side}")), push, "statue_tips") for side, push in tips.items()
+        *(PushLevel(say("order.tips", side=say(f"side.{side}")), push, "statue_tips") for side, push in tips.items()),
+        *(
+            PushLevel(_end(slides, friction, support.floor_static, say), friction, "pedestal_slides")
+            for friction in dict.fromkeys(support.floor_static or ())
+        ),
     ]
-    for friction in dict.fromkeys(support.floor_static or ()):
-        words = _end(say("order.pedestal_slides"), friction, support.floor_static, say)
-        pushes.append(PushLevel(words, friction, "pedestal_slides"))
     most = max(level.push for level in pushes)
-    for side, push in pedestal_tips(scene, support).items():
-        if push < most:
-            pushes.append(PushLevel(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips"))
-    for friction in dict.fromkeys(support.statue):
-        if friction < most:
-            words = _end(say("order.statue_slides"), friction, support.statue, say)
-            pushes.append(PushLevel(words, friction, "statue_slides"))
-    return sorted(pushes, key=lambda level: level.push)
+    others = [
+        *(
+            PushLevel(say("order.pedestal_tips", side=say(f"side.{side}")), push, "pedestal_tips")
+            for side, push in stone.items()
+        ),
+        *(
+            PushLevel(_end(say("order.statue_slides"), friction, support.statue, say), friction, "statue_slides")
+            for friction in dict.fromkeys(support.statue)
+        ),
+    ]
+    return sorted([*pushes, *(each for each in others if each.push < most)], key=lambda level: level.push)
 
 
 def pedestal_tips(scene: SceneRecord, support: SupportRecord) -> dict[str, float]:
@@ -307,18 +312,16 @@ def order_words(
     tips = [level.push for level in levels(scene, support) if level.cause == "statue_tips"]
     stone = min(pedestal_tips(scene, support).values(), default=math.inf)
     meanings = {said: say(_meaning(tips, stone, floor, statue)) for said, floor, statue in situations(support, say)}
-    if len(set(meanings.values())) == 1:
-        words = [next(iter(meanings.values()))]
-    else:
-        words = [
-            say("order.case", where=f"{said[0].upper()}{said[1:]}", meaning=f"{text[0].lower()}{text[1:]}")
-            for said, text in meanings.items()
-        ]
-    if push is not None:
-        words.append(_push_words(push, support, rising, say))
-    if list(support.pedestal) == [True]:
-        words.append(say("order.study"))
-    return words
+    by_case = [
+        say("order.case", where=f"{said[0].upper()}{said[1:]}", meaning=f"{text[0].lower()}{text[1:]}")
+        for said, text in meanings.items()
+        if len(set(meanings.values())) > 1
+    ]
+    return [
+        *(by_case or dict.fromkeys(meanings.values())),
+        *([] if push is None else [_push_words(push, support, rising, say)]),
+        *([say("order.study")] if list(support.pedestal) == [True] else []),
+    ]
 
 
 def _meaning(tips: Sequence[float], stone: float, floor: float | None, statue: float) -> str:
