@@ -56,16 +56,16 @@ WIDE = '{ kind = "lognormal", cov = 0.4 }'
 @pytest.mark.parametrize(
     ("line", "wanted"),
     [
-        ('"statue.mesh.density_kg_m3" = { kind = "normal", sd = 0.1 }', "got no such number$"),
-        ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', "got no such number; did you mean contact.floor?"),
+        ('"statue.mesh.density_kg_m3" = { kind = "normal", sd = 0.1 }', "density_kg_m3"),
+        ('"contact.flor" = { kind = "lognormal", cov = 0.1 }', r" contact\.floor\?"),
         ('"title" = { kind = "normal", sd = 0.1 }', "a number of this scene"),
         ('"initial.theta_rad" = { kind = "lognormal", cov = 0.1 }', "a positive value"),
-        ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "uncertainty.motion.scale.cov: wanted this key"),
+        ('"motion.scale" = { kind = "lognormal", sd = 0.1 }', "uncertainty.motion.scale.cov: "),
         ('"motion.scale" = { kind = "gamma", cov = 0.1 }', "lognormal"),
-        ('"motion.scale" = { kind = "normal", sd = 0.1, rho = 0.5 }', "correlated_with and rho together"),
+        ('"motion.scale" = { kind = "normal", sd = 0.1, rho = 0.5 }', "correlated_with.* rho"),
         ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "motion.scale", rho = 0.5 }', "earlier key"),
         ('"motion.scale" = { kind = "normal", sd = 0.1, correlated_with = "contact.floor", rho = 1.0 }', "less than 1"),
-        (f'"contact.floor" = {WIDE}\n"contact.floor_kinetic" = {WIDE}', "contact.floor moves it too"),
+        (f'"contact.floor" = {WIDE}\n"contact.floor_kinetic" = {WIDE}', r"contact\.floor "),
     ],
 )
 def test_what_is_no_distribution_of_a_number_is_refused(tmp_path: Path, line: str, wanted: str) -> None:

@@ -282,13 +282,13 @@ def test_a_users_options_come_from_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("[[option]]\n", r"option\.0\.name: wanted this key"),
+        ("[[option]]\n", r"option\.0\.name: "),
         ('[[option]]\nname = "a"\nset = {"contact.flor" = 0.3}\n', "contact.flor"),
-        ('[[option]]\nname = "a"\nset = {"contact.floor_static" = "much"}\n', "values that make a scene"),
+        ('[[option]]\nname = "a"\nset = {"contact.floor_static" = "much"}\n', "floor_static.*much"),
         ('[[option]]\nname = "a"\nset = {"title.a" = 1}\n', "a key inside a table"),
-        ('[[option]]\nname = "a"\nset = {duration_s = 1.0}\n' * 2, "a name that no other"),
-        (f'[[option]]\nname = "{made.FLOOR}"\nset = {{duration_s = 1.0}}\n', "a name that no other option has"),
-        (f'[[option]]\nname = "{made.AS_IT_IS}"\nset = {{duration_s = 1.0}}\n', "a name that no other option has"),
+        ('[[option]]\nname = "a"\nset = {duration_s = 1.0}\n' * 2, "option.*name: .* got .*a"),
+        (f'[[option]]\nname = "{made.FLOOR}"\nset = {{duration_s = 1.0}}\n', "option.*name: "),
+        (f'[[option]]\nname = "{made.AS_IT_IS}"\nset = {{duration_s = 1.0}}\n', "option.*name: "),
         ("option = [", "valid TOML"),
     ],
 )

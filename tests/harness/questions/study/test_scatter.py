@@ -47,18 +47,18 @@ def test_a_key_is_scattered_by_a_share_of_its_value(
     [
         (
             'key = "motion.x.frequency_hz"\ndistribution = "normal"\nrelative = 0.1\nlow = 1.0\n',
-            "either relative, or low",
+            "relative.* low",
         ),
-        ('key = "motion.x.frequency_hz"\ndistribution = "uniform"\nlow = 1.0\n', "either relative, or low"),
+        ('key = "motion.x.frequency_hz"\ndistribution = "uniform"\nlow = 1.0\n', "relative.* low"),
         (
             'key = "motion.x.frequency_hz"\ndistribution = "normal"\nlow = 1.0\nhigh = 2.0\n',
-            "'uniform' with low and high",
+            "'uniform'",
         ),
         (
             'key = "initial.theta_rad"\ndistribution = "normal"\nrelative = 0.1\n',
-            "other than 0 to scatter around, got 0.0",
+            r"got 0\.0",
         ),
-        ('key = "wall.distance_m"\ndistribution = "normal"\nrelative = 0.1\n', "scatter around, got None"),
+        ('key = "wall.distance_m"\ndistribution = "normal"\nrelative = 0.1\n', "got None"),
     ],
 )
 def test_what_scatters_nothing_is_refused(tmp_path: Path, scatter: str, wanted: str) -> None:
