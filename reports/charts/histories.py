@@ -128,21 +128,21 @@ def histories_figure(source: RunSource, say: Language = ENGLISH) -> Json:
             for axis, accel in motion.accel_m_s2.items()
         ],
     }
-    rows: list[Row] = [(_rotation(source, looks, views, say), 320, reading("histories", "theta", "θ", "rad", 5))]
-    if data["patterns"]:
-        rows.append((_strip(data["patterns"], say), 8 + 22 * len(data["patterns"]), None))
-    curves = named(looks, legend=False)
-    if source.scene.pedestal is not None and any(
-        np.abs(each.slip_m).max() > STILL_M for each in source.histories.values()
-    ):
-        rows.append(_curves(say("chart.slip_u"), 130, curves, reading("histories", "slip", say("word.slip"), "mm", 3)))
-    if any("across" in part for part in data["histories"]):
-        turned = reading("histories", "across", say("chart.out_of_plane"), "rad", 4)
-        rows.append(_curves(say("chart.across"), 110, curves, turned))
-    if floor:
-        title = f"{say('chart.floor') if len(floor) > 1 else floor[next(iter(floor))]}  [g]"
-        drawn = named({name: AXIS_LOOKS[axis] for axis, name in floor.items()}, len(floor) > 1, chosen=False)
-        rows.append(_curves(title, 100, drawn, reading("floor", "accel", "", "g", 3)))
+    slides = any(np.abs(part.get("slip", 0.0)).max() > 1e3 * STILL_M for part in data["histories"])
+    turns = any("across" in part for part in data["histories"])
+    title = next(iter(floor.values())) if len(floor) == 1 else say("chart.floor")
+    curves, axes = named(looks, legend=False), {name: AXIS_LOOKS[axis] for axis, name in floor.items()}
+    slip, turned = say("word.slip"), say("chart.out_of_plane")
+    rows: list[Row] = [
+        (_rotation(source, looks, views, say), 320, reading("histories", "theta", "θ", "rad", 5)),
+        *((_strip(strips, say), 8 + 22 * len(strips), None) for strips in [data["patterns"]] if strips),
+        *([_curves(say("chart.slip_u"), 130, curves, reading("histories", "slip", slip, "mm", 3))] if slides else []),
+        *([_curves(say("chart.across"), 110, curves, reading("histories", "across", turned, "rad", 4))] if turns else []),
+        *(
+            [_curves(f"{title}  [g]", 100, named(axes, len(axes) > 1, False), reading("floor", "accel", "", "g", 3))]
+            if floor else []
+        ),
+    ]  # fmt: skip
     doubt = _doubt(source)
     under = [([*doubt, *layers], height, read) for layers, height, read in rows]
     return over_time(under, say("chart.time"), data, views)

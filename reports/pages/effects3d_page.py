@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.records.effects3d import BASELINE, EffectsRecord
+from harness.records.effects3d import BASELINE, Effect, EffectsRecord
 from reports.blocks import (
     Block,
     Chart,
@@ -114,23 +114,19 @@ def _effects(record: EffectsRecord, asked: Sequence[str], say: Language) -> Tabl
     """Each condition's change of the overturning amplitude in each model."""
     found = {(item.condition, item.engine): item for item in record.effects}
     groups = {item.condition: item.group for item in record.effects}
-    rows = []
-    for name, group in groups.items():
-        row = [say.word(name), say(f"text.group_{group}")]
-        for engine in asked:
-            item = found.get((name, engine))
-            if item is None or item.median is None:
-                row.append(say("text.not_seen" if item is None else "text.none_overturns"))
-                continue
-            change, least, largest = (
-                f"{say.value(value, 'points')}\u00a0%" for value in (item.median, item.least, item.largest)
-            )
-            row.append(
-                f"{change} ({say.range([least, largest])})"
-                + (say("text.flips", count=item.flips) if item.flips else "")
-            )
-        rows.append(row)
+    rows = [
+        [say.word(name), say(f"text.group_{group}"), *(_change(found.get((name, each)), say) for each in asked)]
+        for name, group in groups.items()
+    ]
     return Table(say("table.effects"), ["", say("label.group"), *asked], rows)
+
+
+def _change(item: Effect | None, say: Language) -> str:
+    """A condition's change in one model: the median, and the least and the largest of all directions."""
+    if item is None or item.median is None:
+        return say("text.not_seen" if item is None else "text.none_overturns")
+    change, *ends = (f"{say.value(value, 'points')}\u00a0%" for value in (item.median, item.least, item.largest))
+    return f"{change} ({say.range(ends)})" + (say("text.flips", count=item.flips) if item.flips else "")
 
 
 def _departures(record: EffectsRecord, say: Language) -> Table | None:

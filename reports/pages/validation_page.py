@@ -111,15 +111,14 @@ def _scores(record: ValidationRecord, say: Language) -> Table:
             else say.value([value.value, value.low, value.high], "rate")
         )
 
-    rows = [[say.label(key), *(rate(item, key) for item in known)] for key in RATES]
-    if record.samples:
-        rows += [
-            [say("text.by_probability", score=say.label(key)), *(rate(item, key) for item in drawn)] for key in RATES
-        ]
-        rows.append([say.label("area"), *(rate(item, "area") for item in chances)])
-    for key in ("brier", "brier_skill"):
-        values = [getattr(item, key) for item in chances]
-        rows += [[say.label(key), *map(say.plain, values)]] if any(value is not None for value in values) else []
+    by_draws = {key: say("text.by_probability", score=say.label(key)) for key in RATES if record.samples}
+    numbers = {key: [getattr(item, key) for item in chances] for key in ("brier", "brier_skill")}
+    rows = [
+        *([say.label(key), *(rate(item, key) for item in known)] for key in RATES),
+        *([words, *(rate(item, key) for item in drawn)] for key, words in by_draws.items()),
+        *([say.label(key), *(rate(item, key) for item in chances)] for key in ("area",) if record.samples),
+        *([say.label(key), *map(say.plain, each)] for key, each in numbers.items() if any(x is not None for x in each)),
+    ]
     fitted_on = say.word("named_share" if 0 < record.fit_share.tests < record.tests else "other_tests")
     return Table(say("table.validation", fitted_on=fitted_on), ["", *record.models, say("word.pgv_threshold")], rows)
 
