@@ -61,14 +61,12 @@ def floor_motion(ground: Excitation, modes: Sequence[Oscillator], until_s: float
 
 def _nodes(ground: Excitation, longest_step_s: float, until_s: float) -> tuple[Floats, Floats, Floats]:
     """Times that hold every break of the ground, and its acceleration just before and just after each."""
-    breaks = np.concatenate([[0.0], ground.breaks_s(until_s), [until_s]])
-    if ground.end_s < until_s:
-        breaks = np.append(breaks, ground.end_s)
-    breaks = np.unique(breaks)
+    # A formula is followed, too, where it is faster than the building.
+    period_s = 2.0 * math.pi / max(getattr(ground, "omega_rad_s", 0.0), 1e-300)
+    step_s = min(longest_step_s, period_s / POINTS_PER_PERIOD)
+    breaks = np.unique([0.0, *ground.breaks_s(until_s), min(ground.end_s, until_s), until_s])
     pieces = [
-        np.linspace(
-            start, end, max(1, math.ceil((end - start) / _harmonic_step(ground, longest_step_s))), endpoint=False
-        )
+        np.linspace(start, end, max(1, math.ceil((end - start) / step_s)), endpoint=False)
         for start, end in zip(breaks[:-1].tolist(), breaks[1:].tolist(), strict=True)
     ]
     t_s = np.append(np.concatenate(pieces), until_s)
@@ -79,12 +77,6 @@ def _nodes(ground: Excitation, longest_step_s: float, until_s: float) -> tuple[F
     smooth = np.abs(after - before) <= 1e-4 * max(ground.peak_m_s2, 1e-300)
     before, after = np.where(smooth, at, before), np.where(smooth, at, after)
     return t_s, before, after
-
-
-def _harmonic_step(ground: Excitation, longest_step_s: float) -> float:
-    """The longest step that also follows a ground which is not made of straight lines."""
-    omega = getattr(ground, "omega_rad_s", 0.0)
-    return min(longest_step_s, 2.0 * math.pi / omega / POINTS_PER_PERIOD) if omega > 0.0 else longest_step_s
 
 
 def _absolute(t_s: Floats, before: Floats, after: Floats, mode: Oscillator) -> Floats:
