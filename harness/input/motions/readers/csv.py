@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from harness.input.motions.check import refuse_fillers
 from harness.input.motions.process import clock_of
-from harness.input.motions.readers.table import LABEL, NO_COMPONENT, SECONDS, heading, is_unit, likely_unit
+from harness.input.motions.readers.table import (
+    LABEL,
+    NO_COMPONENT,
+    SECONDS,
+    content_lines,
+    heading,
+    is_unit,
+    likely_unit,
+)
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake
 from harness.input.text_file import is_decimal, numbers, numbers_at_once
 from harness.model.finding import info
@@ -29,19 +37,13 @@ _OTHER_UNIT = re.compile(
     r"[\[(]([a-zµ]+/s\S*2|[a-zµ]+/s/s|[a-zµ]+ ?s-2)[\])]$|_((?:in|ft|km|um|nm|dm)_?s2)$", re.IGNORECASE
 )
 """A unit of acceleration that is none of those which are read."""
-_COMMENT: Final = ("#", "%")
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eEdD][+-]?[0-9]+)?|[+-]?[0-9]+")
 
 
 def recognises(text: str) -> bool:
     """Whether the last row that is no comment begins with a number."""
-    last = next((line for line in reversed(text.splitlines()) if _counts(line)), "")
-    return bool(re.match(r"^\s*[+-]?[.,]?\d", last))
-
-
-def _counts(line: str) -> bool:
-    """Whether a line is neither blank nor a comment."""
-    return not (bare := line.lstrip()).startswith(_COMMENT) and bool(bare)
+    rows = content_lines(text.splitlines())
+    return bool(rows) and re.match(r"^\s*[+-]?[.,]?\d", rows[-1][1]) is not None
 
 
 def names_times(text: str) -> bool:
@@ -120,8 +122,7 @@ def _has_decimal_commas(line: str) -> bool:
 def _table(text: str, where: str) -> tuple[tuple[str, ...], set[str], NDArray[np.float64], tuple[int, ...]]:
     """Headers, those of columns without numbers, values (n, k) and the file's line of every row."""
     every = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line and not line.isspace()]
-    marked = any(mark in text for mark in _COMMENT)
-    rows = [(number, line) for number, line in every if _counts(line)] if marked else list(every)
+    rows = content_lines(text.splitlines())
     comma = _has_decimal_commas(rows[-1][1])
 
     def cells(line: str) -> list[str]:

@@ -189,7 +189,7 @@ def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[
 
     Where `other` than numbers may stand in columns that are not asked for, dates, times of day and words are NaN.
     """
-    used = _used(lines, skip)
+    used = content_lines(lines, skip)
     plain = [line.strip().strip(";,") for _, line in used]
     mark = "," if plain and "," in plain[0] else None
     # A comma may be a decimal one where no point stands.
@@ -254,7 +254,7 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
         layout = replace(layout, dt_s=_dated_step([line for line in lines[skip:] if line.strip()][: len(rows)]))
     steps = _steps(head, rows)
     if layout.time_column:
-        places = tuple(number for number, _ in _used(lines, skip))
+        places = tuple(number for number, _ in content_lines(lines, skip))
         clock = clock_of(np.array(rows)[:, layout.time_column - 1], where, places)
         steps = [clock.dt_s, *steps]
     elif layout.dt_s is None and steps:
@@ -348,7 +348,7 @@ def _named_by(header: str) -> str:
     return f":{word}" if re.fullmatch(r"\w+", word) else ""
 
 
-def _used(lines: Sequence[str], skip: int) -> list[tuple[int, str]]:
+def content_lines(lines: Sequence[str], skip: int = 0) -> list[tuple[int, str]]:
     """The lines below the first `skip`, by their number in the file; comments and blank lines are left out."""
     return [
         (i + 1, line) for i, line in enumerate(lines) if i >= skip and line.strip() and line.lstrip()[0] not in "#%"
