@@ -222,7 +222,10 @@ def test_a_stress_run_is_sound_or_says_what_is_wrong(tmp_path: Path) -> None:
 
 def test_runs_outside_the_models_domain_are_counted_by_cause(record_of: Callable[[str], Any]) -> None:
     rows = [
-        invented_study.case_row("analytic", invented_study.case_run(validity={"left_domain_by": cause}))
+        invented_study.case_row(
+            "analytic",
+            invented_study.case_run(validity={"left_domain_by": cause, "left_domain_s": 0.5 if cause else None}),
+        )
         for cause in ("statue_slides", "statue_slides", "pedestal_tips", "", None)
     ]
     record = record_of("map")
