@@ -75,7 +75,6 @@ def _rose(record: EffectsRecord, say: Language) -> Table:
     peaks = {
         name: {row.azimuth_deg: row.peak_g for row in record.amplitudes(name, BASELINE)} for name in record.engines
     }
-    bands = {row.azimuth_deg: row for row in record.bands}
     falls = {
         row.azimuth_deg: say(f"side.{row.outcome.removeprefix('overturned_')}")
         for row in record.amplitudes(record.solid_engine, BASELINE)
@@ -85,27 +84,17 @@ def _rose(record: EffectsRecord, say: Language) -> Table:
     def peak(value: float | None) -> str:
         return say("ends.stands") if value is None else say.digits(value)
 
-    rows = []
-    for item in record.static:
-        at, band = item.azimuth_deg, bands.get(item.azimuth_deg)
-        low = (
-            "–"
-            if band is None
-            else peak(band.low_g)
-            if band.low_g is None
-            else f"{peak(band.low_g)}–{peak(band.high_g)}"
-        )
-        by_engine = [peak(each[at]) if at in each else say("text.not_sent") for each in peaks.values()]
-        rows.append(
-            [
-                f"{say.short(at)}°",
-                say.plain(item.lifts_g, 3),
-                say.plain(item.projected_g, 3),
-                *by_engine,
-                low,
-                falls.get(at, "–"),
-            ]
-        )
+    between = {
+        row.azimuth_deg: peak(row.low_g) + ("" if row.low_g is None else f"–{peak(row.high_g)}") for row in record.bands
+    }
+    rows = [
+        [
+            f"{say.short(at)}°", say.plain(item.lifts_g, 3), say.plain(item.projected_g, 3),
+            *(peak(each[at]) if at in each else say("text.not_sent") for each in peaks.values()),
+            between.get(at, "–"), falls.get(at, "–"),
+        ]
+        for item in record.static for at in [item.azimuth_deg]
+    ]  # fmt: skip
     heads = ["", say("label.lifts_g"), say("label.projected_g"), *record.engines, say("label.band"), say("label.falls")]
     return Table(say("table.rose", share=say.short(100 * record.study.search.resolution)), heads, rows)
 
