@@ -151,15 +151,13 @@ class Block:
         """The fields alone: a copy, or another process, has arrays and addresses of its own."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
-    def _outer(self, side: int) -> tuple[float, float]:
-        x, z = self.profile_m[-1 if side > 0 else 0]
-        return abs(x), self.centroid_height_m - z
-
     @cached_property
-    def _about_corners(self) -> tuple[tuple[float, float], ...]:
-        """R and J of the outer corners on the left and on the right, m and kg m²."""
-        radii_m = (math.hypot(*self._outer(side)) for side in (-1, 1))
-        return tuple((radius_m, self.inertia_kg_m2 + self.mass_kg * radius_m**2) for radius_m in radii_m)
+    def _about_corners(self) -> tuple[tuple[float, float, float], ...]:
+        """R, J and α of the outer corners on the left and on the right, m, kg m² and rad."""
+        arms = [(abs(x), self.centroid_height_m - z) for x, z in (self.profile_m[0], self.profile_m[-1])]
+        return tuple(
+            (r := math.hypot(*arm), self.inertia_kg_m2 + self.mass_kg * r**2, math.atan2(*arm)) for arm in arms
+        )
 
     def radius_m(self, side: int) -> float:
         """R of the outer corner on that side (1 right, −1 left), m."""
@@ -167,11 +165,11 @@ class Block:
 
     def alpha_rad(self, side: int) -> float:
         """α of the outer corner on that side (1 right, −1 left), rad."""
-        return math.atan2(*self._outer(side))
+        return self._about_corners[side > 0][2]
 
     def p_rad_s(self, side: int, gravity_m_s2: float = GRAVITY_M_S2) -> float:
         """Frequency parameter p = √(m g R/J) about the outer corner on that side, rad/s."""
-        radius_m, inertia_kg_m2 = self._about_corners[side > 0]
+        radius_m, inertia_kg_m2, _ = self._about_corners[side > 0]
         return math.sqrt(self.mass_kg * gravity_m_s2 * radius_m / inertia_kg_m2)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, Protocol, Self
 
@@ -325,72 +325,49 @@ def plan(
 
 
 def _decided(name: str, scene: Scene, engine: PlannedEngine, options: RunOptions) -> Step:
-    """One skip of one engine."""
+    """Whether a skip that an engine has applies to a scene, and why; switched with `--no-skip`."""
     if name not in options.skips:
         return Step(name, engine.name, False, info("plan_switched_off"))
-    applies, reason = DECISIONS[name](scene, options)
+    reason, applies = _reason(name, scene, options)
     return Step(name, engine.name, applies, reason)
 
 
-def _quiet_start(scene: Scene, options: RunOptions) -> Decision:
-    quiet = first_motion_s(scene)
-    return (True, info("plan_nothing_moves", until_s=quiet)) if quiet > 0.0 else (False, info("plan_not_quiet"))
-
-
-def _quiet_rest(scene: Scene, options: RunOptions) -> Decision:
-    if scene.table != "frame":
-        return False, info("plan_table_moves")
-    if LimitsOfRest.of(scene) is None:
-        return False, info("plan_no_limits_of_rest")
-    return True, info("plan_below_limits_of_rest")
-
-
-def _quiet_end(scene: Scene, options: RunOptions) -> Decision:
-    end = scene.base_excitation.end_s
-    return (True, info("plan_floor_still", from_s=end)) if end < scene.duration_s else (False, info("plan_floor_moves"))
-
-
-def _base_only(scene: Scene, options: RunOptions) -> Decision:
+def _reason(name: str, scene: Scene, options: RunOptions) -> tuple[Finding, bool]:
+    match name:
+        case "quiet_start" if (quiet := first_motion_s(scene)) > 0.0:
+            return info("plan_nothing_moves", until_s=quiet), True
+        case "quiet_start":
+            return info("plan_not_quiet"), False
+        case "quiet_end" if (end := scene.base_excitation.end_s) < scene.duration_s:
+            return info("plan_floor_still", from_s=end), True
+        case "quiet_end":
+            return info("plan_floor_moves"), False
+        case "quiet_rest" | "mirror" if scene.table != "frame":
+            return info("plan_table_moves"), False
+        case "quiet_rest" if LimitsOfRest.of(scene) is None:
+            return info("plan_no_limits_of_rest"), False
+        case "quiet_rest":
+            return info("plan_below_limits_of_rest"), True
+        case "mirror" if (cause := asymmetry(scene)) is not None:
+            return info("plan_asymmetric", cause=cause), False
+        case "mirror":
+            return info("plan_mirror", whole="base_only" not in options.skips and scene.pedestal is not None), True
+        case "no_history" if options.history:
+            return info("plan_histories_asked"), False
+        case "no_history":
+            return info("plan_outcome_asked"), True
+        case "stop_at_overturn":
+            return info("plan_overturned", lean_rad=OVERTURN_RAD), True
+    # base_only
     from meshes.decomposition import missing
 
     need, wall = shape_needed(scene), None if scene.wall is None else scene.wall.side
     absent = missing() if need.shape == "parts" else None
-    return True, info("plan_shape", shape=need.shape, wall=wall, missing=absent, **_excess(need))
+    return info("plan_shape", shape=need.shape, wall=wall, missing=absent, **_excess(need)), True
 
 
 def _excess(need: Need) -> dict[str, float]:
     return {"excess": need.hull_excess_rel, "limit": HULL_EXCESS_LIMIT, "below_m": need.below_m}
-
-
-def _mirror(scene: Scene, options: RunOptions) -> Decision:
-    if scene.table != "frame":
-        return False, info("plan_table_moves")
-    cause = asymmetry(scene)
-    if cause is not None:
-        return False, info("plan_asymmetric", cause=cause)
-    whole = "base_only" not in options.skips and scene.pedestal is not None
-    return True, info("plan_mirror", whole=whole)
-
-
-def _no_history(scene: Scene, options: RunOptions) -> Decision:
-    return (False, info("plan_histories_asked")) if options.history else (True, info("plan_outcome_asked"))
-
-
-def _stop(scene: Scene, options: RunOptions) -> Decision:
-    return True, info("plan_overturned", lean_rad=OVERTURN_RAD)
-
-
-Decision = tuple[bool, Finding]
-DECISIONS: Final[Mapping[str, Callable[[Scene, RunOptions], Decision]]] = {
-    "quiet_start": _quiet_start,
-    "quiet_rest": _quiet_rest,
-    "quiet_end": _quiet_end,
-    "base_only": _base_only,
-    "mirror": _mirror,
-    "no_history": _no_history,
-    "stop_at_overturn": _stop,
-}
-"""Whether a skip that an engine has applies to a scene, and why; switched with `--no-skip`."""
 
 
 def _edges(scene: Scene, engines: Sequence[PlannedEngine]) -> list[Step]:

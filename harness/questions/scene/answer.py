@@ -62,7 +62,13 @@ def answer_of(
     if assessment:
         from harness.questions.assess.answer import probability  # not for a run that asks for none
 
-        parts.append(probability(assessment, contradicted=_ends_by_plane(runs, judged)))
+        # Whether two models end differently by what the plane leaves out.
+        parted = any(
+            outcome_family(runs[each.a].outcome) != outcome_family(runs[each.b].outcome)
+            for each in judged
+            if each.verdict is Verdict.PLANE
+        )
+        parts.append(probability(assessment, contradicted=parted))
     parts += _until(known, judged)
     parts += [*_plane(judged), *decided]
     flipping = [each for name, each in horizons.items() if name in known and len(_reached(each)) > 1]
@@ -191,16 +197,6 @@ def _plane(scores: Sequence[Scores]) -> list[Finding]:
             named = {"a": pair.a, "b": pair.b} if place else {}
             return [info("plane_decides", causes=causes, **named)]
     return []
-
-
-def _ends_by_plane(runs: Mapping[str, Run], scores: Sequence[Scores]) -> bool:
-    """Whether two models end differently by what the plane leaves out."""
-    ends = (
-        [outcome_family(runs[name].outcome) for name in (each.a, each.b)]
-        for each in scores
-        if each.verdict is Verdict.PLANE
-    )
-    return any(first != second for first, second in ends)
 
 
 def _fell_by(known: Mapping[str, Run], time_s: float) -> bool:
