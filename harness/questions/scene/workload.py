@@ -90,12 +90,9 @@ def check(
         if horizon and name not in CERTIFIED_S
     ]
     asked += [HORIZON_RUNS * runs[name].least for name in engines if name in CERTIFIED_S and len(engines) > 1]
-    causes = sum(take(scene) is not None for take in TAKEN_AWAY.values()) if 2 in engines.values() else 0
-    known = [
-        Range(0.0, CAUSE_SHARE * causes * runs[name].most)
-        for name, dimensions in engines.items()
-        if dimensions == 3 and name not in CERTIFIED_S
-    ]
+    stepped = in_space - CERTIFIED_S.keys() if 2 in engines.values() else ()
+    causes = sum(take(scene) is not None for take in TAKEN_AWAY.values()) if stepped else 0
+    known = [Range(0.0, CAUSE_SHARE * causes * runs[name].most) for name in stepped]
     if assess:
         from harness.questions.assess.by_model import assessed_s  # else not loaded
 
