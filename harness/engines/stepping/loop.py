@@ -175,7 +175,7 @@ def after_impact(state: StepState, gaps: ContactGaps) -> HalfCycle | None:
     if foot < 0 or heights[foot][1] >= 0.0:
         return None
     # Thrown up at v against an acceleration a it is back after 2 v/a; the bound of a gives the shortest time.
-    soonest_s = -2.0 * heights[foot][1] / gaps.bounds[foot]
+    soonest_s = -2.0 * heights[foot][1] / gaps.bound[foot]
     if soonest_s > events.short_steps * step_s:
         return None
     return HalfCycle(

@@ -462,7 +462,7 @@ class ContactTimeEstimate:
         return gap, closing
 
     def _gain(self, before_m_s: float, before_s: float) -> None:
-        most = self.gaps.bounds[self.foot]
+        most = self.gaps.bound[self.foot]
         self.gained_m_s2 = min(max((self.closing_m_s - before_m_s) / (self.kick_s - before_s), -most), most)
 
     def _gathers(self, closing_m_s: float) -> float:
@@ -472,7 +472,7 @@ class ContactTimeEstimate:
 
     def _height(self, row: Row) -> tuple[float, float]:
         stepper = self.state.stepper
-        return self.gaps.heights(row, stepper.table_place[2], stepper.table_rate[2])[self.foot]
+        return self.gaps.height(self.foot, row, stepper.table_place[2], stepper.table_rate[2])
 
 
 @dataclass(slots=True)
