@@ -170,7 +170,7 @@ HEYOKA_TOLERANCES: Final = (1e-8, 1e-10, 1e-12)
 
 def _ours(case: Case, tolerance: float) -> Answer:
     solution = case.ours(tolerance)
-    return solution.theta_rad[1:], solution.work.steps
+    return solution.theta_rad[1:], solution.counts.steps
 
 
 def scipy_of(case: Case, tolerance: float, stops: bool = False, longest_step_s: float = math.inf) -> Answer:

@@ -51,8 +51,8 @@ def test_work_and_error_of_the_kernel(case: bench.Case, tolerance: float) -> Non
     run, exact = case.ours(tolerance), case.ours(bench.REFERENCE_RAD)
     assert np.abs(run.theta_rad - exact.theta_rad).max() <= tolerance
     steps, terms = budgets.KERNEL_WORK[case.name][tolerance]
-    assert run.work.steps <= steps
-    assert run.work.taylor_coefficients <= terms
+    assert run.counts.steps <= steps
+    assert run.counts.coefficients <= terms
 
 
 def test_work_of_an_overturning_map() -> None:
