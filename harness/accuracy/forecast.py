@@ -12,13 +12,13 @@ from typing import Final, NamedTuple
 from harness.accuracy.horizon import MODEL, last_s, outgrown_s
 from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, second_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.engines import load
+from harness.engines import EXACT_IN_SPACE, load
 from harness.engines.base import EngineFailure, Settings
 from harness.model.run import MOST_TIMES, Run, RunOptions, number
 from harness.model.scene import Scene
 from harness.statics.plan import LimitsOfRest, asymmetry, first_motion_s
 
-CERTIFIED_S: Final[Mapping[str, float]] = {"analytic": 6e-5, "spatial": 3e-3}
+CERTIFIED_S: Final[Mapping[str, float]] = {MODEL: 6e-5, EXACT_IN_SPACE: 3e-3}
 """Processor seconds per second of motion of models that certify their own error: an order of magnitude."""
 TIMED_STEPS: Final = 60_000
 """From so many steps on a step is timed in the scene itself, else as its engine says (`Engine.step_s`), in"""
@@ -100,7 +100,7 @@ def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, d
     """Steps of all runs that a contact engine is expected to make of a scene, to a target or with an expert's own step."""
     # A body that leaves the plane, or is shaken across it, falls sooner or later than in the plane.
     space = load(name).capabilities.dimensions == 3 and scene.pedestal is None and asymmetry(scene) is not None
-    model = simulate(_asked(scene), "spatial" if space else MODEL)
+    model = simulate(_asked(scene), EXACT_IN_SPACE if space else MODEL)
     least_s, most_s = moving_s(scene, model)
     rests = "quiet_rest" in load(name).capabilities.skips and scene.table == "frame"
     if rests and LimitsOfRest.of(scene) is not None:

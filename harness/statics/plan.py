@@ -358,12 +358,13 @@ def _reason(name: str, scene: Scene, options: RunOptions) -> tuple[Finding, bool
             return info("plan_outcome_asked"), True
         case "stop_at_overturn":
             return info("plan_overturned", lean_rad=OVERTURN_RAD), True
-    # base_only
-    from meshes.decomposition import missing
+        case "base_only":
+            from meshes.decomposition import missing
 
-    need, wall = shape_needed(scene), None if scene.wall is None else scene.wall.side
-    absent = missing() if need.shape == "parts" else None
-    return info("plan_shape", shape=need.shape, wall=wall, missing=absent, **_excess(need)), True
+            need, wall = shape_needed(scene), None if scene.wall is None else scene.wall.side
+            absent = missing() if need.shape == "parts" else None
+            return info("plan_shape", shape=need.shape, wall=wall, missing=absent, **_excess(need)), True
+    raise KeyError(name)
 
 
 def _excess(need: Need) -> dict[str, float]:
