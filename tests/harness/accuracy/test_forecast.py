@@ -4,8 +4,15 @@ from dataclasses import replace
 
 import pytest
 
-from harness import Run, RunOptions, Scene, engines, simulate
-from harness.accuracy.forecast import TRIAL_STEPS, expected_steps, first_settings, moving_s, timed_step_s
+from harness import Run, RunOptions, Scene, engines, load_scene, simulate
+from harness.accuracy.forecast import (
+    SPACE_TIMES,
+    TRIAL_STEPS,
+    expected_steps,
+    first_settings,
+    moving_s,
+    timed_step_s,
+)
 from harness.engines.base import Engine, Settings
 from harness.statics.plan import first_motion_s
 from tests.budgets import FORECAST_TIMES
@@ -47,6 +54,16 @@ def test_a_body_that_falls_in_space_alone_takes_no_steps_after_it(seed: int) -> 
     scene = space_scene(seed, 10.0)
     told, taken = expected_steps("pybullet", scene), simulate(scene, "pybullet").work["steps_of_all_runs"]
     assert told.least / FORECAST_TIMES < taken < told.most * FORECAST_TIMES
+
+
+def test_what_the_exact_body_does_not_compute_is_asked_of_the_plane() -> None:
+    """A wall, which ends the run: not the whole scene is told."""
+    scene = load_scene("scenes/paestum_floor.toml", ['wall = {side = "right", distance_m = 0.5}'])
+    model = simulate(scene, "analytic")
+    least_s, _ = moving_s(scene, model)
+    assert model.outcome.value == "touches_wall"
+    first = first_settings("pybullet", scene)
+    assert expected_steps("pybullet", scene).least == pytest.approx(SPACE_TIMES[0] * least_s / first.dt_s)
 
 
 def test_what_cannot_move_takes_no_steps_and_what_falls_none_after_it() -> None:
