@@ -6,22 +6,153 @@ import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from harness.comparison.scores import events, pointwise
-from harness.comparison.scores.events import Inertia, after_horizon, event_scores, numerical_uncertainty
+from harness.comparison.scores.events import Excursions, Inertia, after_horizon, event_scores
 from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
 from harness.comparison.scores.pointwise import rate as rate_by_iso
-from harness.comparison.side import Side, side_of
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Finding, caution, changes_answer, info
-from harness.model.history import Array, History, Pair, first_beyond_s, pair
-from harness.model.run import Run
+from harness.model.history import History, Outcome, Pair, first_beyond_s, pair
+from harness.model.run import Run, number
 from harness.model.scene import Scene
-from harness.records.run import SLIDES_M, STILL_RAD
+from harness.records.run import SLIDES_M, STILL_RAD, standing
 from harness.records.scores import Evidence, Scores, Verdict
+
+if TYPE_CHECKING:
+    from harness.records.study import CaseRun
+
+# What a verdict knows of one of its two answers.
+
+ACROSS: Final = (Outcome.OVERTURNED_FRONT, Outcome.OVERTURNED_BACK)
+"""Falls of which the rotation in the rocking plane tells nothing."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """What the verdict needs to know of one run; None: not stated.
+
+    `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
+    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
+    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
+    left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
+    `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open. `floor_impact` is the coefficient
+    of the floor that an engine takes at impacts, whatever the scene's choice; empty of one that takes the scene's.
+    Of what no slip and no rotation that is compared tells, `statue_slip_m` is how far a statue that stands slid on its support,
+    `slip_across_m` how far it slid across the plane, alone or with its pedestal, `out_of_plane_rad` how far it left the plane.
+    """
+
+    name: str
+    peak: Peak
+    outcome: Outcome | None = None
+    uncertainty_rad: float | None = None
+    slip_uncertainty_m: float | None = None
+    reliable_until_s: float | None = None
+    horizon_s: float | None = None
+    left_domain_s: float | None = None
+    left_domain_by: str = ""
+    axes: tuple[str, ...] | None = None
+    across_s: float | None = None
+    resolution_rad: float = 0.0
+    resolution_m: float = 0.0
+    floor_impact: str = ""
+    statue_slip_m: float = 0.0
+    slip_across_m: float = 0.0
+    out_of_plane_rad: float = 0.0
+    no_return_s: float | None = None
+
+    @property
+    def rests(self) -> bool:
+        """Whether the run was ended early because nothing moves any more, so that its last value holds."""
+        return self.outcome is Outcome.STANDS
+
+    @property
+    def is_still(self) -> bool:
+        """Whether its statue stands and is not said to rock, in the plane or out of it."""
+        return self.rests and max(abs(self.peak.theta_rad), self.out_of_plane_rad) < STILL_RAD
+
+    @property
+    def open_rad(self) -> float:
+        """How far the rotation may be off: its numerical error, zero where none is stated, and the digits it was written with."""
+        return (self.uncertainty_rad or 0.0) + self.resolution_rad
+
+    @property
+    def open_m(self) -> float:
+        """The same of the slip."""
+        return (self.slip_uncertainty_m or 0.0) + self.resolution_m
+
+    @property
+    def until_s(self) -> float:
+        """The time up to which this side's uncertainty holds and its problem is predictable."""
+        known = [t for t in (self.reliable_until_s, self.horizon_s) if t is not None]
+        return min(known, default=math.inf)
+
+
+def side_of(
+    answer: Run | CaseRun | History,
+    name: str,
+    horizon_s: float | None = None,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+) -> Side:
+    """What is known of one answer; a bare history states no outcome, and of its uncertainties only what is given here."""
+    if isinstance(answer, History):
+        return Side(
+            name,
+            pointwise.peak(answer),
+            uncertainty_rad=uncertainty_rad,
+            slip_uncertainty_m=slip_uncertainty_m,
+            horizon_s=horizon_s,
+            resolution_rad=answer.resolution_rad,
+            resolution_m=answer.resolution_m,
+        )
+    left_s, by = left_domain(answer)
+    return Side(
+        name,
+        Peak(answer.peak_theta_rad, math.nan if answer.peak_time_s is None else answer.peak_time_s),
+        answer.outcome,
+        answer.numerical_uncertainty_rad,
+        answer.slip_uncertainty_m,
+        answer.reliable_until_s,
+        horizon_s,
+        left_s,
+        by,
+        None if answer.motion_axes is None else tuple(answer.motion_axes),
+        _across_s(answer),
+        floor_impact=str(answer.settings.get("floor_impact") or "") if isinstance(answer, Run) else "",
+        statue_slip_m=standing(answer, "statue_slip_m") or 0.0,
+        slip_across_m=number(answer.validity, "slip_across_m", 0.0),
+        out_of_plane_rad=number(answer.validity, "out_of_plane_rad", 0.0),
+        no_return_s=answer.no_return_time_s,
+    )
+
+
+def _across_s(run: Run | CaseRun) -> float | None:
+    """When a run's statue left its balance across the rocking plane, untold by its rotation in that plane; else None."""
+    if run.outcome in ACROSS:
+        return run.no_return_time_s
+    history = run.history if isinstance(run, Run) else None
+    if run.outcome is not Outcome.UNDECIDED or history is None or "roll_rad" not in history.extra:
+        return None
+    return run.end_s if abs(history.extra["roll_rad"][-1]) > abs(history.theta_rad[-1]) else None
+
+
+def left_domain(run: Run | CaseRun) -> tuple[float | None, str]:
+    """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
+
+    By what is a code of `analytic.solution.LEFT_BY` or an outcome. Engines state it as `validity["left_domain_s"]` and
+    `validity["left_domain_by"]`; a run that ends by lift-off or in the friction paradox leaves at its end.
+    """
+    stated = run.validity.get("left_domain_s")
+    if isinstance(stated, (int, float)):
+        return float(stated), str(run.validity.get("left_domain_by") or "")
+    if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX):
+        return run.end_s, run.outcome.value
+    return None, ""
+
 
 # By how much and from when two runs differ, and why, computed from the record.
 #
@@ -48,19 +179,22 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
     """
     turned = max(COVERAGE * (a.open_rad + b.open_rad), STILL_RAD if a.is_still and b.is_still else ROUNDING)
     slid = max(COVERAGE * (a.open_m + b.open_m), ROUNDING)
-    until = min(a.until_s, b.until_s)
-    facts = from_peaks((a.peak, b.peak), turned, until) if both is None else from_histories(both, turned, slid, until)
+    until_s = min(a.until_s, b.until_s)
+    rotation, slip = differences(a, b, both, (turned, slid), until_s)
+    parted_s = [rotation.exceeded_s, slip.exceeded_s]
     flips = sided = False
     if a.outcome is not None and b.outcome is not None:
         flips = a.outcome is not b.outcome
         sided = flips and a.outcome.same_as(b.outcome)
     if flips:
         # A fall across the plane is none of the planar rotation's: the two part when the statue falls for good.
-        times = [side.across_s for side in (a, b) if side.across_s is not None]
-        facts = replace(facts, fallen_s=min(times, default=None))
+        parted_s += [a.across_s, b.across_s]
+    exceeded_s = min((time_s for time_s in parted_s if time_s is not None), default=None)
+    slips = slip.exceeded_s is not None and slip.exceeded_s == exceeded_s != rotation.exceeded_s
     not_given = _not_given(a, b)
     aside = _aside(a, b) if not_given else {}
-    verdict, left = _decide(a, b, facts, flips, aside=bool(aside))
+    end_s = math.inf if both is None else both.end_s
+    verdict, left = _decide(a, b, exceeded_s, end_s, flips, aside=bool(aside))
     evidence = Evidence(
         uncertainty_a_rad=a.uncertainty_rad,
         uncertainty_b_rad=b.uncertainty_rad,
@@ -73,21 +207,21 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
         limit_rad=turned,
         slip_limit_m=slid,
         coverage=COVERAGE,
-        differs_in=facts.differs_in,
-        exceeded_s=facts.exceeded_s,
-        largest_difference_rad=facts.rotation.largest,
-        largest_reliable_difference_rad=facts.rotation.largest_reliable,
-        largest_slip_difference_m=facts.slip.largest,
-        largest_reliable_slip_difference_m=facts.slip.largest_reliable,
-        horizon_s=until if math.isfinite(until) else None,
-        compared_until_s=facts.end_s,
+        differs_in="" if exceeded_s is None else "slip" if slips else "rotation",
+        exceeded_s=exceeded_s,
+        largest_difference_rad=rotation.largest,
+        largest_reliable_difference_rad=rotation.largest_reliable,
+        largest_slip_difference_m=slip.largest,
+        largest_reliable_slip_difference_m=slip.largest_reliable,
+        horizon_s=until_s if math.isfinite(until_s) else None,
+        compared_until_s=end_s,
         left_domain_s=None if left is None else left.left_domain_s,
         left_domain="" if left is None else left.name,
         left_domain_by="" if left is None else left.left_domain_by,
         outcome_flips_within_uncertainty=flips and not sided and verdict in OPEN,
         side_flips_within_uncertainty=sided and verdict in OPEN,
         motion_not_given=not_given,
-        **(aside if verdict is Verdict.PLANE and facts.exceeded_s is None else {}),
+        **(aside if verdict is Verdict.PLANE and exceeded_s is None else {}),
     )
     return verdict, evidence, _findings(verdict, evidence, a, b)
 
@@ -96,12 +230,15 @@ SLIDES: Final = "statue_slides"
 """By what a model left its domain that holds the statue on its support: rotations may agree while the statue slides."""
 
 
-def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool, *, aside: bool) -> tuple[Verdict, Side | None]:
+def _decide(
+    a: Side, b: Side, exceeded_s: float | None, end_s: float, flips: bool, *, aside: bool
+) -> tuple[Verdict, Side | None]:
     """The verdict, and the side that left its domain where that decides; `aside`: one alone moves across the plane."""
     exits = [side for side in (a, b) if side.left_domain_s is not None]
     first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
     left_s = math.inf if first is None or first.left_domain_s is None else first.left_domain_s
-    if facts.exceeded_s is None:
+    until_s = min(a.until_s, b.until_s)
+    if exceeded_s is None:
         slides = (
             first is not None and first.left_domain_by == SLIDES and max(a.statue_slip_m, b.statue_slip_m) > SLIDES_M
         )
@@ -109,12 +246,12 @@ def _decide(a: Side, b: Side, facts: ComparedFacts, flips: bool, *, aside: bool)
             return (Verdict.PLANE if aside else Verdict.AGREE), None
         if left_s < math.inf:
             return Verdict.DOMAIN, first
-        return (_beyond(a, b, facts.end_s) if facts.until_s < facts.end_s else Verdict.AGREE), None
-    if facts.exceeded_s <= min(left_s, facts.until_s):
+        return (_beyond(a, b, end_s) if until_s < end_s else Verdict.AGREE), None
+    if exceeded_s <= min(left_s, until_s):
         if (a.uncertainty_rad is None) != (b.uncertainty_rad is None):
             return Verdict.UNBOUNDED, None  # the difference may be the error that is not stated
         return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None
-    return (Verdict.DOMAIN, first) if left_s <= facts.until_s else (_beyond(a, b, facts.exceeded_s), None)
+    return (Verdict.DOMAIN, first) if left_s <= until_s else (_beyond(a, b, exceeded_s), None)
 
 
 def _aside(a: Side, b: Side) -> dict[str, float]:
@@ -221,53 +358,24 @@ class Difference:
     largest_reliable: float = 0.0
 
 
-@dataclass(frozen=True)
-class ComparedFacts:
-    """What decides: the differences of rotation, rad, and slip, m, the horizon and the end of what was compared.
-
-    `fallen_s`: when a fall across the plane parts the two, which the planar rotation does not tell.
-    """
-
-    rotation: Difference
-    slip: Difference
-    until_s: float
-    end_s: float
-    fallen_s: float | None = None
-
-    @property
-    def exceeded_s(self) -> float | None:
-        """When the two answers part: the first of both quantities exceeds its limit, or one falls across the plane."""
-        known = [t for t in (self.rotation.exceeded_s, self.slip.exceeded_s, self.fallen_s) if t is not None]
-        return min(known, default=None)
-
-    @property
-    def differs_in(self) -> Literal["", "rotation", "slip"]:
-        """In what they then differ; empty: in nothing."""
-        if self.exceeded_s is None:
-            return ""
-        return "slip" if self.slip.exceeded_s == self.exceeded_s != self.rotation.exceeded_s else "rotation"
-
-
-def from_histories(both: Pair, turned_rad: float, slid_m: float, until: float) -> ComparedFacts:
-    """From both histories on one grid; `turned_rad` and `slid_m` are the limits, `until` the horizon, s."""
-
-    def of(apart: Array, limit: float) -> Difference:
-        inside = both.t_s <= until
-        reliable = float(np.max(apart[inside])) if inside.any() else 0.0
-        return Difference(first_beyond_s(both.t_s, apart, limit), float(np.max(apart)), reliable)
-
-    rotation = of(np.abs(both.difference_rad), turned_rad)
-    return ComparedFacts(rotation, of(np.abs(both.slip_a_m - both.slip_b_m), slid_m), until, both.end_s)
-
-
-def from_peaks(peaks: tuple[Peak, Peak], turned_rad: float, until: float) -> ComparedFacts:
-    """When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart."""
-    # A run without a history may state its peak without a sign.
-    smaller, larger = sorted(peaks, key=lambda peak: abs(peak.theta_rad))
-    apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
-    exceeded = larger.time_s if apart > turned_rad else None
-    rotation = Difference(exceeded, apart, apart if larger.time_s <= until else 0.0)
-    return ComparedFacts(rotation, Difference(), until, math.inf)
+def differences(
+    a: Side, b: Side, both: Pair | None, limits: tuple[float, float], until_s: float
+) -> tuple[Difference, Difference]:
+    """Of the rotation, rad, and of the slip, m, each held against its limit; `until_s` is the horizon."""
+    if both is None:
+        # When a larger peak is reached the other rotation is at most its own peak: by then the two are that far apart. A run
+        # without a history may state its peak without a sign.
+        smaller, larger = sorted((a.peak, b.peak), key=lambda each: abs(each.theta_rad))
+        apart = abs(larger.theta_rad) - abs(smaller.theta_rad)
+        exceeded_s = larger.time_s if apart > limits[0] else None
+        return Difference(exceeded_s, apart, apart if larger.time_s <= until_s else 0.0), Difference()
+    reliable = both.t_s <= until_s
+    sizes = np.abs(both.difference_rad), np.abs(both.slip_a_m - both.slip_b_m)
+    rotation, slip = (
+        Difference(first_beyond_s(both.t_s, size, limit), float(size.max()), float(size[reliable].max(initial=0.0)))
+        for size, limit in zip(sizes, limits, strict=True)
+    )
+    return rotation, slip
 
 
 __all__ = ["Scores", "compare"]
@@ -355,36 +463,11 @@ def _check(answer: Run | History, name: str) -> None:
         raise InputError(Mistake(name, "peak_theta_rad", "a finite rotation", repr(answer.peak_theta_rad)))
 
 
-def _peaks(a: Peak, b: Peak) -> dict[str, Any]:
-    both_still = a.theta_rad == 0.0 and b.theta_rad == 0.0
-    return {
-        "peak_theta_a_rad": a.theta_rad,
-        "peak_theta_b_rad": b.theta_rad,
-        "peak_ratio": abs(a.theta_rad / b.theta_rad) if b.theta_rad else (1.0 if both_still else None),
-        "peak_time_difference_s": 0.0 if both_still else a.time_s - b.time_s,
-    }
-
-
-def _outcomes(a: Side, b: Side) -> dict[str, Any]:
-    agree = side = None
-    if a.outcome is not None and b.outcome is not None:
-        agree = a.outcome.same_as(b.outcome)
-        side = a.outcome is b.outcome if a.outcome.overturned and b.outcome.overturned else None
-    apart_s = None if a.no_return_s is None or b.no_return_s is None else a.no_return_s - b.no_return_s
-    return {
-        "outcome_a": a.outcome,
-        "outcome_b": b.outcome,
-        "outcome_agrees": agree,
-        "side_agrees": side,
-        "no_return_time_difference_s": apart_s,
-    }
-
-
 def _scores(
     sides: tuple[Side, Side],
     both: Pair | None,
     peaks: tuple[Peak, Peak],
-    excursions: tuple[events.Excursions, events.Excursions],
+    excursions: tuple[Excursions, Excursions],
     inertia: Inertia | None,
     until_s: float,
 ) -> Scores:
@@ -392,16 +475,59 @@ def _scores(
     verdict, evidence, findings = judge(*sides, both)
     # Where one history has not begun or has ended, no event of the other is missing from it.
     common_s = (-math.inf, until_s) if both is None else (both.start_s, min(both.end_s, until_s))
+    (a, b), (peak_a, peak_b) = sides, peaks
+    still = peak_a.theta_rad == peak_b.theta_rad == 0.0
+    agree = side_agrees = None
+    if a.outcome is not None and b.outcome is not None:
+        agree = a.outcome.same_as(b.outcome)
+        side_agrees = a.outcome is b.outcome if a.outcome.overturned and b.outcome.overturned else None
+    apart_s = None if a.no_return_s is None or b.no_return_s is None else a.no_return_s - b.no_return_s
     return Scores(
-        a=sides[0].name,
-        b=sides[1].name,
+        a=a.name,
+        b=b.name,
         horizon_s=until_s if math.isfinite(until_s) else None,
         together_tolerance_rad=TOGETHER_RAD,
-        **_peaks(*peaks),
+        peak_theta_a_rad=peak_a.theta_rad,
+        peak_theta_b_rad=peak_b.theta_rad,
+        peak_ratio=abs(peak_a.theta_rad / peak_b.theta_rad) if peak_b.theta_rad else (1.0 if still else None),
+        peak_time_difference_s=0.0 if still else peak_a.time_s - peak_b.time_s,
         **event_scores(*excursions, inertia, common_s),
-        **_outcomes(*sides),
-        numerical_uncertainty=numerical_uncertainty(sides, peaks[1].theta_rad, excursions, until_s),
+        outcome_a=a.outcome,
+        outcome_b=b.outcome,
+        outcome_agrees=agree,
+        side_agrees=side_agrees,
+        no_return_time_difference_s=apart_s,
+        numerical_uncertainty=numerical_uncertainty(sides, peak_b.theta_rad, excursions, until_s),
         verdict=verdict,
         evidence=evidence,
         findings=findings,
     )
+
+
+def numerical_uncertainty(
+    sides: tuple[Side, Side],
+    peak_b_rad: float,
+    excursions: tuple[Excursions, Excursions],
+    until_s: float = math.inf,
+) -> dict[str, float | None]:
+    """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
+
+    A rotation known to u moves a root mean square and a difference of peaks by at most u_a + u_b, an impact by u/|θ̇⁻|; a slip
+    known to u moves its root mean square by as much.
+    """
+    u_a, u_b = sides[0].uncertainty_rad, sides[1].uncertainty_rad
+    joint = None if u_a is None or u_b is None else u_a + u_b
+    slips = sides[0].slip_uncertainty_m, sides[1].slip_uncertainty_m
+    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in excursions]
+    slowest = [float(np.nanmin(each)) if np.isfinite(each).any() else None for each in rates]
+    times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
+    return {
+        "rms_theta_rad": joint,
+        "largest_difference_rad": joint,
+        "peak_theta_a_rad": u_a,
+        "peak_theta_b_rad": u_b,
+        "peak_ratio": joint / abs(peak_b_rad) if joint is not None and peak_b_rad else None,
+        "rms_slip_m": None if slips[0] is None or slips[1] is None else slips[0] + slips[1],
+        "impact_times_a_s": times[0],
+        "impact_times_b_s": times[1],
+    }

@@ -7,8 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness import Run, Scene, Verdict, compare
-from harness.comparison.comparator import COVERAGE
-from harness.comparison.side import left_domain
+from harness.comparison.comparator import COVERAGE, left_domain
 from harness.model.history import pair
 
 MUST_SHOW: Final = COVERAGE + 1.0

@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.comparison.side import Side
 from harness.comparison.statistics import distributions
 from harness.model.history import Array, History, Pair
 from harness.records.scores import AfterHorizon, Apart, PeaksApart
@@ -275,7 +274,7 @@ def _nearest(from_s: Array, to_s: Array) -> NDArray[np.intp]:
     return np.where(np.abs(to_s[left] - from_s) <= np.abs(to_s[right] - from_s), left, right)
 
 
-# Scores of events: matched uplifts and impacts, and what numerical errors change in them.
+# Scores of events: matched uplifts and impacts.
 
 ALWAYS: Final = (-math.inf, math.inf)
 
@@ -309,35 +308,6 @@ def event_scores(
         "impact_energy_share_lost_b": _list(share_b),
         "impact_energy_lost_a_j": None if inertia is None else _list(lost_j(a, inertia)[index_a]),
         "impact_energy_lost_b_j": None if inertia is None else _list(lost_j(b, inertia)[index_b]),
-    }
-
-
-def numerical_uncertainty(
-    sides: tuple[Side, Side],
-    peak_b_rad: float,
-    excursions: tuple[Excursions, Excursions],
-    until_s: float = math.inf,
-) -> dict[str, float | None]:
-    """What the stated numerical errors can change in each score, while they hold; None where one is not stated.
-
-    A rotation known to u moves a root mean square and a difference of peaks by at most u_a + u_b, an impact by u/|θ̇⁻|; a slip
-    known to u moves its root mean square by as much.
-    """
-    u_a, u_b = sides[0].uncertainty_rad, sides[1].uncertainty_rad
-    joint = None if u_a is None or u_b is None else u_a + u_b
-    slips = sides[0].slip_uncertainty_m, sides[1].slip_uncertainty_m
-    rates = [np.abs(each.rate_before_rad_s[each.landed & (each.impact_s <= until_s)]) for each in excursions]
-    slowest = [float(np.nanmin(each)) if np.isfinite(each).any() else None for each in rates]
-    times = [u / rate if u is not None and rate else None for u, rate in zip((u_a, u_b), slowest, strict=True)]
-    return {
-        "rms_theta_rad": joint,
-        "largest_difference_rad": joint,
-        "peak_theta_a_rad": u_a,
-        "peak_theta_b_rad": u_b,
-        "peak_ratio": joint / abs(peak_b_rad) if joint is not None and peak_b_rad else None,
-        "rms_slip_m": None if slips[0] is None or slips[1] is None else slips[0] + slips[1],
-        "impact_times_a_s": times[0],
-        "impact_times_b_s": times[1],
     }
 
 

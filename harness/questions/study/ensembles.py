@@ -6,9 +6,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
-from harness.comparison.comparator import judge, shares
+from harness.comparison.comparator import judge, shares, side_of
 from harness.comparison.scores.events import LEAST_VALUES
-from harness.comparison.side import side_of
 from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
 from harness.comparison.statistics.outcomes import Prediction, score_outcomes
 from harness.model.history import History, Outcome, pair

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from harness import History, Outcome, Run, Verdict, compare
-from harness.comparison.comparator import COVERAGE, shares
-from harness.comparison.side import left_domain
+from harness.comparison.comparator import COVERAGE, left_domain, shares
 from harness.records.run import STILL_RAD
 from tests import doubles
 
