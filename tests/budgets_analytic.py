@@ -54,3 +54,7 @@ MODULES_OF_IMPORT: Final = 29
 SAMPLED_PULSE_RAD = 1e-6
 """Samples 0.1 ms apart miss a pulse of 7 m/s² and 16 rad/s by h² A ω²/8 = 2.2e-6 m/s² at most, and its jump by none; twice
 integrated over 0.4 s that is below 2e-7 rad, times the growth of a rocking block's differences within 0.9 s, about 4."""
+PRINTED_S: Final = 5.1e-7
+"""Half a unit of the sixth decimal, and what rounding to it leaves."""
+PRINTED_J: Final = 5.1e-4
+"""The same of the third."""

@@ -37,8 +37,6 @@ JUMP_M: Final = 1.5e-5
 """Measured 5.4e-6 m of slip; so: 1.2e-4."""
 FALL_ORDER: Final = 1.95
 """Observed order over three halvings while a statue falls about one corner: measured 2.0; 1.5 with the spin that a step loses."""
-UPLIFT_RAD: Final = 1.4e-5
-"""Measured 7.2e-6 rad at 4 ms, 0.25 s after a pulse has begun, wherever in a step the uplift comes; uncorrected up to 2.7e-5."""
 IMPACT_AFTER_STICK_ONSET_RAD: Final = 3e-5
 """Measured 9e-6 rad at 1 ms; an impact left to a whole step because the pedestal has just stuck costs 1.2e-4."""
 STICK_ONSET_RAD: Final = 3e-5

@@ -1,4 +1,5 @@
-"""The problem, and nothing of its solution: what the two reference solvers are given, in plain numbers.
+"""The problem, and nothing of its solution: what the reference solver is given, in plain numbers; and the cases on which the
+kernel is held to it: the paper's, and reproducible random ones.
 
 Motions are lists of smooth segments, so that the value at a break is one-sided without any convention inside a solver.
 """
@@ -18,6 +19,16 @@ Segment = tuple[float, float, Callable[[float], float]]
 PAESTUM = {"m2": 707.0, "h": 0.774, "b_left": 0.3585, "b_right": 0.0682, "inertia": 152.4}
 PAESTUM_PEDESTAL_KG = 250.0
 GRAVITY = 9.81
+PAPER_RATIO = 0.875
+AMPLITUDES_G = (0.334, 0.429)
+FREQUENCIES_HZ = (1.5, 2.0, 3.0, 4.5, 6.0)
+FORMS: dict[str, dict[str, object]] = {
+    "consistent": {},
+    "paper": {"ratio": PAPER_RATIO, "pedestal_at_impact": "unchanged", "normal": "static"},
+    "ratio with momentum": {"ratio": PAPER_RATIO},
+    "momentum with unchanged pedestal": {"pedestal_at_impact": "unchanged"},
+    "static normal": {"normal": "static"},
+}
 
 
 @dataclass(frozen=True)
@@ -148,10 +159,6 @@ class Case:
         """The facet on which the run starts: the last one that the statue has rolled over."""
         return max(sum(each.tilt <= self.theta0 for each in self.facets()) - 1, 0)
 
-    def paper_form(self, ratio: float) -> Case:
-        """The same problem in the paper's form."""
-        return replace(self, normal="static", ratio=ratio, pedestal_at_impact="unchanged")
-
     def windows(self, end: float) -> list[tuple[float, float, Callable[[float], float], Callable[[float], float]]]:
         """Intervals on which both motions are smooth, with their functions, up to `end`."""
         edges = sorted(
@@ -181,3 +188,57 @@ class Path:
     def times(self, name: str) -> list[float]:
         """Times of the events of one name."""
         return [t for t, kind in self.events if kind == name]
+
+
+def paper_case(amplitude_g: float, frequency_hz: float, *, pedestal: bool, form: str, mu_static: float = 0.20) -> Case:
+    """One of the paper's cases with a kinetic friction of 0.15."""
+    return Case(
+        **PAESTUM,
+        pedestal_kg=PAESTUM_PEDESTAL_KG if pedestal else None,
+        mu_static=mu_static,
+        mu_kinetic=0.15,
+        accel_x=harmonic(amplitude_g * GRAVITY, frequency_hz),
+        **FORMS[form],  # type: ignore[arg-type]
+    )
+
+
+def random_case(seed: int) -> Case:
+    """A statue of any size, asymmetry, pedestal, friction and form under harmonic, pulse or record, vertical motion too."""
+    rng = np.random.default_rng(seed)
+    h = rng.uniform(0.3, 1.2)
+    b_left, b_right = h * rng.uniform(0.06, 0.6, 2)
+    m2 = rng.uniform(50.0, 900.0)
+    inertia = m2 * (h * h + (0.5 * (b_left + b_right)) ** 2) / 3.0 * rng.uniform(0.6, 1.3)
+    mu_kinetic = rng.uniform(0.05, 0.5)
+    mu_static = mu_kinetic * rng.uniform(1.0, 1.5)
+    pedestal_kg = None if rng.random() < 0.25 else m2 * 10.0 ** rng.uniform(-1.5, 1.0)
+    motions = [_random_motion(rng, scale) for scale in (1.0, float(rng.choice([0.0, 0.4, 1.2])))]
+    return Case(
+        m2,
+        h,
+        b_left,
+        b_right,
+        inertia,
+        pedestal_kg,
+        mu_static,
+        mu_kinetic,
+        normal=str(rng.choice(["dynamic", "static"])),
+        ratio=None if rng.random() < 0.6 else rng.uniform(0.6, 0.95),
+        pedestal_at_impact=str(rng.choice(["momentum", "unchanged"], p=[0.7, 0.3])),
+        accel_x=motions[0],
+        accel_z=motions[1],
+        theta0=0.0 if rng.random() < 0.6 else rng.uniform(-0.8 * b_left / h, 0.8 * b_right / h),
+    )
+
+
+def _random_motion(rng: np.random.Generator, scale: float) -> Motion:
+    amplitude = scale * GRAVITY * rng.uniform(0.1, 0.9)
+    kind = rng.integers(3)
+    if amplitude == 0.0:
+        return rest()
+    if kind == 0:
+        return harmonic(amplitude, rng.uniform(0.7, 6.0), rng.uniform(0.0, 6.0))
+    if kind == 1:
+        return full_period(amplitude, rng.uniform(0.2, 1.0))
+    times = np.arange(0.0, 1.51, 0.02)
+    return record(times.tolist(), (amplitude * 0.6 * rng.standard_normal(times.size)).tolist())

@@ -9,7 +9,7 @@ from analytic import AnalyticInputError, Block, Harmonic, Pedestal, Pulse, Rest,
 from tests import budgets_reference as budget
 from tests.analytic import reference_lagrange
 from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE
-from tests.analytic.reference_cases import random_case
+from tests.analytic.reference_case import random_case
 from tests.analytic.reference_kernel import certified
 
 END_S, GRID_S = 2.0, 0.02

@@ -1,4 +1,4 @@
-"""Closed forms against published numbers, against quadrature, and against a reference solver that knows none of them."""
+"""Closed forms against published numbers and against quadrature, and the model against them."""
 
 import math
 
@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from analytic import AnalyticInputError
+from analytic import AnalyticInputError, Rest, simulate
 from analytic import closed_form as cf
+from analytic.pulse_response import minimum_overturning_spectrum, overturning_ranges, pulse_response
 from tests import budgets_reference as budget
-from tests.analytic import reference_kernel, reference_lagrange
-from tests.analytic.reference_case import GRAVITY, Case, full_period, harmonic, rectangle
+from tests.analytic import reference_kernel
+from tests.analytic.paestum import FREE
+from tests.analytic.reference_case import GRAVITY, Case, Motion, full_period, harmonic, paper_case, rectangle
+
+OMEGA_OVER_P, RATIO = 5.0, 0.9
 
 
 def assert_printed(value: float, printed: str) -> None:
@@ -19,58 +23,36 @@ def assert_printed(value: float, printed: str) -> None:
     assert abs(value - float(printed)) <= budget.PRINTED_DIGITS * unit, f"{value!r} is not {printed}"
 
 
-def rectangular_block(b: float, h: float, **changes: object) -> Case:
-    """A homogeneous rectangle of half width b and half height h on the floor, 1 kg."""
-    return Case(1.0, h, b, b, (b * b + h * h) / 3.0, **changes)  # type: ignore[arg-type]
-
-
 def sliding_block(mu: float, **changes: object) -> Case:
     """A block too squat to rock on a pedestal that slides."""
     return Case(1.0, 0.1, 2.0, 2.0, 1.0, pedestal_kg=1.0, mu_static=mu, mu_kinetic=mu, **changes)  # type: ignore[arg-type]
 
 
-def quarter_period_linear_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
-    """Time from rest at θ₀ to the impact, slender block: (1/p) acosh(1/(1 − θ₀/α)) (Housner 1963, eq. 5)."""
-    return math.acosh(1.0 / (1.0 - theta0_rad / alpha_rad)) / p_rad_s
+def slender_outcome(motion: Motion, ratio: float | None = None) -> str:
+    """Outcome of a block of R = 1 m and α = 1e-3, far beyond which it has overturned."""
+    b, h = math.sin(SLENDER_RAD), math.cos(SLENDER_RAD)
+    case = Case(1.0, h, b, b, 1.0 / 3.0, ratio=ratio, accel_x=motion, overturn=20.0 * SLENDER_RAD)
+    return reference_kernel.solve(case, 25.0 / SLENDER_P, 0.1).outcome
 
 
-def first_impact_rate_rad_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> float:
-    """|θ̇| just before the impact that follows rest at θ₀: p √(2[cos(α−θ₀) − cos α]), by energy."""
-    return 2.0 * p_rad_s * math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
+SLENDER_RAD, SLENDER_P = 1e-3, math.sqrt(0.75 * GRAVITY)
 
 
-def peak_after_impact_rad(rate_rad_s: float, alpha_rad: float, p_rad_s: float) -> float:
-    """|θ| reached after leaving the support at |θ̇|: cos(α − θ) = cos α + θ̇²/2p²; inf if it goes past α (overturns)."""
-    level = math.cos(alpha_rad) + 0.5 * (rate_rad_s / p_rad_s) ** 2
-    return math.inf if level >= 1.0 else alpha_rad - math.acos(level)
-
-
-B, H = 0.1, 0.5
-ALPHA, RADIUS, INERTIA = math.atan2(B, H), math.hypot(B, H), (B * B + H * H) / 3.0
-P = cf.frequency_parameter_rad_s(1.0, RADIUS, INERTIA)
-
-
-def test_free_rocking_published_numbers() -> None:
-    rate = first_impact_rate_rad_s(0.5 * ALPHA, ALPHA, P)
-    ratio = cf.housner_ratio(1.0, INERTIA, H, B, B)
-    assert_printed(cf.quarter_period_s(0.5 * ALPHA, ALPHA, P), "0.34709")
-    assert_printed(rate, "0.64805")
+def test_free_rocking() -> None:
+    alpha = FREE.alpha_rad(1)
+    run = simulate(FREE, Rest(), theta0_rad=0.5 * alpha, duration_s=1.2, gravity_m_s2=GRAVITY)
+    first, second = run.impacts[:2]
+    quarter_s = cf.quarter_period_s(0.5 * alpha, alpha, FREE.p_rad_s(1, GRAVITY))
+    assert_printed(quarter_s, "0.34709")
+    assert first.time_s == pytest.approx(quarter_s, abs=1e-12)
+    assert_printed(abs(first.theta_rate_before_rad_s), "0.64805")
+    ratio = cf.housner_ratio(FREE.mass_kg, FREE.inertia_kg_m2, 0.5, 0.1, 0.1)
     assert_printed(ratio, "0.9423")
-    assert_printed(peak_after_impact_rad(ratio * rate, ALPHA, P) / ALPHA, "0.4222")
-    assert ratio == pytest.approx(cf.rectangle_ratio(ALPHA), rel=1e-15)
-
-
-def test_free_rocking_of_the_reference_solver() -> None:
-    path = reference_lagrange.solve(rectangular_block(B, H, theta0=0.5 * ALPHA), 1.0, 1e-3)
-    rate = first_impact_rate_rad_s(0.5 * ALPHA, ALPHA, P)
-    assert path.times("impact")[0] == pytest.approx(
-        cf.quarter_period_s(0.5 * ALPHA, ALPHA, P), abs=budget.REFERENCES_RAD
+    assert [ratio, first.theta_rate_after_rad_s / first.theta_rate_before_rad_s] == pytest.approx(
+        [cf.rectangle_ratio(alpha)] * 2, rel=1e-13
     )
-    before = path.samples[path.samples[:, 0] < path.times("impact")[0]][-1]
-    rounding = P * P * ALPHA * 1e-3  # the last sample is up to 1 ms before the impact
-    assert abs(before[2]) == pytest.approx(rate, abs=rounding)
-    peak = peak_after_impact_rad(cf.rectangle_ratio(ALPHA) * rate, ALPHA, P)
-    assert np.max(-path.samples[:, 1]) == pytest.approx(peak, abs=0.5 * P * P * ALPHA * (0.5e-3) ** 2)
+    between = (run.t_s > first.time_s) & (run.t_s < second.time_s)
+    assert_printed(float(np.abs(run.theta_rad[between]).max()) / alpha, "0.4222")
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.5, 0.9, 0.999])
@@ -89,95 +71,39 @@ def test_quarter_period_is_the_quadrature_of_the_energy_integral(fraction: float
     assert cf.quarter_period_s(theta0, alpha, 1.0) == pytest.approx(time, rel=budget.QUADRATURE_RELATIVE)
 
 
-def test_slender_limit_is_the_linearised_quarter_period() -> None:
-    gaps = [
-        abs(cf.quarter_period_s(0.6 * a, a, 1.0) / quarter_period_linear_s(0.6 * a, a, 1.0) - 1.0)
-        for a in (0.2, 0.1, 0.05)
-    ]
-    assert gaps[0] > 5e-4, "the two forms must differ for a stocky block"
-    assert gaps[0] / gaps[1] == pytest.approx(4.0, rel=0.05)
-    assert gaps[1] / gaps[2] == pytest.approx(4.0, rel=0.05)
-
-
-def test_a_block_that_leaves_faster_than_its_barrier_does_not_peak() -> None:
-    barrier = P * math.sqrt(2.0 * (1.0 - math.cos(ALPHA)))
-    assert peak_after_impact_rad(barrier * (1.0 + 1e-12), ALPHA, P) == math.inf
-    assert peak_after_impact_rad(barrier * (1.0 - 1e-6), ALPHA, P) < ALPHA
-
-
-def test_housner_ratio_differs_between_the_corners() -> None:
-    landing_left = cf.housner_ratio(707.0, 152.4, 0.774, 0.0682, 0.3585)
-    landing_right = cf.housner_ratio(707.0, 152.4, 0.774, 0.3585, 0.0682)
-    model = reference_lagrange.Lagrange(Case(707.0, 0.774, 0.3585, 0.0682, 152.4))
-    assert landing_left == pytest.approx(-model.impact(1, np.array([0.0, -1.0, 0.0, 0.0]), True)[0], rel=1e-14)
-    assert landing_right == pytest.approx(model.impact(-1, np.array([0.0, 1.0, 0.0, 0.0]), True)[0], rel=1e-14)
-    assert landing_right - landing_left > 0.1
-
-
 @pytest.mark.parametrize(("p_t_d", "printed"), [(0.5, "2.5415"), (1.0, "1.5820"), (2.0, "1.1565")])
 def test_rectangular_pulse_threshold(p_t_d: float, printed: str) -> None:
     threshold = cf.rectangular_pulse_threshold(p_t_d)
     assert_printed(threshold, printed)
-    alpha = 1e-3
-    block = {"b": math.sin(alpha), "h": math.cos(alpha)}  # R = 1
-    p = math.sqrt(0.75 * GRAVITY)
-    for solver in (reference_lagrange, reference_kernel):
-        outcomes = []
-        for sign in (-1.0, 1.0):
-            amplitude = threshold * (1.0 + sign * budget.SLENDER_RELATIVE) * GRAVITY * alpha
-            case = rectangular_block(**block, accel_x=rectangle(-amplitude, p_t_d / p), overturn=10.0 * alpha)
-            outcomes.append(solver.solve(case, 25.0 / p, 0.1).outcome)
-        assert outcomes == ["ran", "overturned_right"]
-
-
-@pytest.mark.parametrize(
-    ("radius", "outcome", "peak"),
-    [
-        (0.25, "overturned_left", None),
-        (0.5, "overturned_left", None),
-        (1.0, "ran", "0.7257"),
-        (2.0, "ran", "0.2773"),
-        (4.0, "ran", "0.1296"),
-    ],
-)
-def test_five_sizes_under_one_sine_pulse(radius: float, outcome: str, peak: str | None) -> None:
-    alpha, g = 0.2, 9.80665
-    case = rectangular_block(
-        radius * math.sin(alpha),
-        radius * math.cos(alpha),
-        accel_x=full_period(2.0 * g * math.tan(alpha), 0.5),
-        ratio=cf.rectangle_ratio(alpha),
-        gravity=g,
-        overturn=1.2,  # six times α; a falling block may lose contact before 1.5 rad
-    )
-    path = reference_lagrange.solve(case, 4.0, 2e-4)
-    assert path.outcome.startswith(outcome[:9]) if peak is None else path.outcome == outcome
-    if peak is not None:
-        assert_printed(float(np.max(np.abs(path.samples[:, 1]))) / alpha, peak)
+    outcomes = [
+        slender_outcome(rectangle(-threshold * factor * GRAVITY * SLENDER_RAD, p_t_d / SLENDER_P))
+        for factor in (1.0 - budget.SLENDER_RELATIVE, 1.0 + budget.SLENDER_RELATIVE)
+    ]
+    assert outcomes == ["ran", "overturned_right"]
 
 
 def test_newmark_rectangular_pulse() -> None:
-    case = sliding_block(0.15, accel_x=rectangle(3.0, 0.4))
-    path = reference_lagrange.solve(case, 2.0, 0.1)
+    path = reference_kernel.solve(sliding_block(0.15, accel_x=rectangle(3.0, 0.4)), 2.0, 0.1)
     assert path.samples[-1, 4] == 0.0
-    assert -path.samples[-1, 3] == pytest.approx(cf.rectangular_pulse_slip_m(3.0, 0.4, 0.15), abs=budget.REFERENCES_M)
+    assert -path.samples[-1, 3] == pytest.approx(cf.rectangular_pulse_slip_m(3.0, 0.4, 0.15), abs=budget.CLOSED_M)
     assert cf.rectangular_pulse_slip_m(1.4, 0.4, 0.15) == 0.0
 
 
 def test_newmark_first_excursion_of_a_harmonic_motion() -> None:
     slip = cf.harmonic_first_slip(3.0, 2.0, 0.25, 0.15)
     case = Case(1.0, 0.1, 2.0, 2.0, 1.0, 1.0, 0.25, 0.15, accel_x=harmonic(3.0, 2.0))
-    path = reference_lagrange.solve(case, slip.stop_s + 1e-3, 1e-3)
-    assert path.times("slip_backward")[0] == pytest.approx(slip.start_s, abs=budget.EVENT_TIME_S)
-    assert path.times("halt")[0] == pytest.approx(slip.stop_s, abs=budget.EVENT_TIME_S)
-    still = path.samples[path.samples[:, 0] <= slip.stop_s][-1]
-    assert -still[3] == pytest.approx(slip.slip_m, abs=0.5 * 10.0 * 1e-6)  # ≤ 1 ms before the stop at ≤ 10 m/s²
+    path = reference_kernel.solve(case, slip.stop_s, 1e-3)
+    assert path.times("slip_backward")[0] == pytest.approx(slip.start_s, abs=1e-12)
+    assert reference_kernel.solve(case, slip.stop_s + 1e-3, 1e-3).times("halt") == pytest.approx(
+        [slip.stop_s], abs=1e-11
+    )
+    assert -path.samples[-1, 3] == pytest.approx(slip.slip_m, abs=budget.CLOSED_M)
     assert cf.harmonic_first_slip(2.4, 2.0, 0.25, 0.15) is None
 
 
 def test_steady_sliding_under_a_harmonic_motion() -> None:
     amplitude, frequency, mu = 6.0, 2.0, 0.15
-    path = reference_lagrange.solve(sliding_block(mu, accel_x=harmonic(amplitude, frequency)), 8.0, 1e-3)
+    path = reference_kernel.solve(sliding_block(mu, accel_x=harmonic(amplitude, frequency)), 8.0, 1e-3)
     last = path.samples[path.samples[:, 0] >= 7.0][:, 3]
     grid = 0.5 * (amplitude + mu * GRAVITY) * (0.5e-3) ** 2 * 2.0
     wanted = cf.harmonic_steady_slip_range_m(amplitude, frequency, mu)
@@ -187,22 +113,24 @@ def test_steady_sliding_under_a_harmonic_motion() -> None:
 
 
 def test_similar_problems_have_similar_paths() -> None:
-    factor = 2.5
-    s = cf.similarity(factor)
-    small = rectangular_block(0.1, 0.5, accel_x=harmonic(3.5, 2.0))
+    s = cf.similarity(7.3)
+    small = paper_case(0.429, 3.0, pedestal=True, form="consistent")
     large = Case(
-        s.mass,
-        0.5 * s.length,
-        0.1 * s.length,
-        0.1 * s.length,
+        small.m2 * s.mass,
+        small.h * s.length,
+        small.b_left * s.length,
+        small.b_right * s.length,
         small.inertia * s.inertia,
-        accel_x=harmonic(3.5 * s.acceleration, 2.0 * s.frequency),
+        250.0 * s.mass,
+        0.20,
+        0.15,
+        accel_x=harmonic(0.429 * GRAVITY * s.acceleration, 3.0 * s.frequency),
     )
-    a = reference_lagrange.solve(small, 1.5, 0.05).samples
-    b = reference_lagrange.solve(large, 1.5 * s.time, 0.05 * s.time).samples
+    a = reference_kernel.solve(small, 2.0, 0.02).samples
+    b = reference_kernel.solve(large, 2.0 * s.time, 0.02 * s.time).samples
+    scaled = a * [s.time, 1.0, s.rate, s.length, s.length * s.rate]
     assert np.max(np.abs(a[:, 1])) > 0.01
-    assert np.max(np.abs(a[:, 1] - b[:, 1])) <= budget.KERNEL_RAD
-    assert np.max(np.abs(a[:, 2] * s.rate - b[:, 2])) <= 10.0 * budget.KERNEL_RAD  # rates are about ten times rotations
+    assert np.max(np.abs(scaled - b), axis=0) == pytest.approx([0.0] * 5, abs=10.0 * budget.KERNEL_RAD)
 
 
 @pytest.mark.parametrize(("half_height", "path"), [(1e-9, 0.0), (0.3, 0.0), (0.3, 0.05), (0.05, 0.2)])
@@ -252,6 +180,62 @@ def test_a_thin_disk_wobbles_as_a_coin() -> None:
     assert roll.friction_needed == 0.0
 
 
+def test_published_thresholds_and_their_modes() -> None:
+    first, second = overturning_ranges(OMEGA_OVER_P, RATIO)
+    assert_printed(first[0], "3.0186")
+    assert_printed(first[1], "6.3181")
+    assert_printed(second[0], "7.1681")
+    assert second[1] == math.inf
+    assert (first[2], second[2]) == (1, 0), "first after one impact, then at once"
+
+
+@pytest.mark.parametrize(("omega_over_p", "kind"), [(5.0, "one_sine"), (3.0, "one_cosine"), (1.5, "one_sine")])
+def test_every_edge_is_an_edge_of_the_nonlinear_block(omega_over_p: float, kind: str) -> None:
+    edges = [e for low, high, _ in overturning_ranges(omega_over_p, RATIO, kind) for e in (low, high) if e < math.inf]  # type: ignore[arg-type]
+    assert len(edges) >= 3
+    for edge in edges:
+        for factor in (1.0 - 2.0 * budget.SLENDER_RELATIVE, 1.0 + 2.0 * budget.SLENDER_RELATIVE):
+            linear = pulse_response(edge * factor, omega_over_p, RATIO, kind).overturned  # type: ignore[arg-type]
+            side = {0: "ran", 1: "overturned_right", -1: "overturned_left"}[linear]
+            amplitude = -edge * factor * GRAVITY * SLENDER_RAD
+            pushed = full_period(amplitude, 2.0 * math.pi / (omega_over_p * SLENDER_P), kind)
+            assert slender_outcome(pushed, RATIO) == side, (edge, factor)
+
+
+def test_peak_of_a_block_that_stands() -> None:
+    """Against a fine Runge-Kutta integration of the same linearised equation."""
+    response = pulse_response(2.5, OMEGA_OVER_P, RATIO)
+    assert response.overturned == 0
+    x, v, s, t, peak, dt = 0.0, 0.0, 0, 0.0, 0.0, 2e-5
+
+    def push(time: float) -> float:
+        return 2.5 * math.sin(OMEGA_OVER_P * time) if time < 2.0 * math.pi / OMEGA_OVER_P else 0.0
+
+    while t < 4.0:
+        if s == 0:
+            s = (push(t) > 1.0) - (push(t) < -1.0)
+        else:
+            k1 = x - s + push(t)
+            k2 = x + 0.5 * dt * v - s + push(t + 0.5 * dt)
+            x, v = x + dt * v + 0.5 * dt * dt * k1, v + dt * k2
+            if s * x < 0.0:
+                v, s, x = RATIO * v, -s, 0.0
+        peak, t = max(peak, abs(x)), t + dt
+    assert response.peak_over_alpha == pytest.approx(peak, abs=50.0 * dt)  # impacts are located to one step of dt
+
+
+def test_spectrum_is_the_first_edge_and_grows_with_frequency() -> None:
+    spectrum = minimum_overturning_spectrum([2.0, 5.0, 8.0], RATIO)
+    assert spectrum[1] == pytest.approx(overturning_ranges(OMEGA_OVER_P, RATIO)[0][0], rel=1e-14)
+    assert np.all(np.diff(spectrum) > 0.0)
+    assert np.isnan(minimum_overturning_spectrum([12.0], RATIO)[0])
+
+
+def test_a_weak_pulse_lifts_nothing() -> None:
+    response = pulse_response(1.0, OMEGA_OVER_P, RATIO)
+    assert (response.overturned, response.impacts, response.peak_over_alpha) == (0, 0, 0.0)
+
+
 @pytest.mark.parametrize(
     "call",
     [
@@ -261,6 +245,10 @@ def test_a_thin_disk_wobbles_as_a_coin() -> None:
         lambda: cf.rectangular_pulse_threshold(0.0),
         lambda: cf.harmonic_first_slip(1.0, 1.0, 0.1, 0.2),
         lambda: cf.rolling_cylinder(0.1, 0.3, 0.4),
+        lambda: pulse_response(-1.0, 5.0, 0.9),
+        lambda: pulse_response(1.0, 0.0, 0.9),
+        lambda: pulse_response(1.0, 5.0, 1.1),
+        lambda: pulse_response(math.nan, 5.0, 0.9),
     ],
 )
 def test_impossible_numbers_are_refused_with_a_sentence(call: object) -> None:

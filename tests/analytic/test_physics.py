@@ -1,26 +1,18 @@
 """Energy, momentum and symmetry of a run, and the known answers of docs/model.md, section 7."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import simpson
 
 from analytic import Block, Excitation, Form, Harmonic, Pedestal, Pulse, Record, Rest, simulate
+from analytic.closed_form import housner_ratio
 from analytic.kernel.impact import impact
 from analytic.kernel.records import PARAMS, Params
-from tests.analytic.paestum import FREE, GRAVITY, PEDESTAL, STATUE, mirror_image, rectangle, shaken
-from tests.budgets_analytic import ENERGY_REL, ENERGY_RISE_REL, IMPACT_REL
-
-
-def test_free_rocking_known_numbers() -> None:
-    run = simulate(FREE, Rest(), theta0_rad=0.5 * FREE.alpha_rad(1), duration_s=2.0, gravity_m_s2=GRAVITY)
-    first, second = run.impacts[:2]
-    assert round(first.time_s, 5) == 0.34709
-    assert round(abs(first.theta_rate_before_rad_s), 5) == 0.64805
-    assert round(first.theta_rate_after_rad_s / first.theta_rate_before_rad_s, 4) == 0.9423
-    between = (run.t_s > first.time_s) & (run.t_s < second.time_s)
-    assert round(float(np.abs(run.theta_rad[between]).max()) / FREE.alpha_rad(1), 4) == 0.4222
+from tests.analytic.paestum import GRAVITY, PEDESTAL, STATUE, mirror_image, rectangle, shaken
+from tests.budgets_analytic import ENERGY_REL, ENERGY_RISE_REL, IMPACT_REL, PRINTED_J, PRINTED_S
 
 
 def test_five_sizes_under_one_sine() -> None:
@@ -39,31 +31,6 @@ def test_five_sizes_under_one_sine() -> None:
         stands = run.outcome.value == "stands"
         found.append(round(run.peak_theta_rad / alpha, 4) if stands else run.outcome.value.split("_")[0])
     assert found == ["overturned", "overturned", 0.7257, 0.2773, 0.1296]
-
-
-@pytest.mark.parametrize(("p_td", "printed"), [(0.5, 2.5415), (1.0, 1.5820), (2.0, 1.1565)])
-def test_rectangular_pulse_overturns_a_slender_block_at_the_printed_threshold(p_td: float, printed: float) -> None:
-    alpha = 1e-3
-    block = rectangle(1.0, alpha)
-    duration = p_td / block.p_rad_s(1, GRAVITY)
-    fell = []
-    for factor in (1.0 - 2e-4, 1.0 + 2e-4):
-        motion = Pulse("rectangular", -factor * printed * GRAVITY * alpha, duration)
-        run = simulate(block, motion, duration_s=20.0, gravity_m_s2=GRAVITY, dt_s=None)
-        fell.append(run.outcome.value == "overturned_right")
-    assert fell == [False, True]
-
-
-def test_scaling_law() -> None:
-    """Lengths × λ, times × √λ: the same rotations at scaled times."""
-    scale = 4.0
-    small, large = rectangle(0.5, 0.25), rectangle(2.0, 0.25)
-    a = simulate(small, Harmonic(3.0, 2.0), duration_s=3.0, dt_s=0.01)
-    b = simulate(large, Harmonic(3.0, 1.0), duration_s=6.0, dt_s=0.02)
-    assert math.sqrt(scale) == 2.0
-    n = min(a.t_s.size, b.t_s.size) - 1
-    assert n > 50
-    assert np.abs(a.theta_rad[:n] - b.theta_rad[:n]).max() < 1e-8
 
 
 def test_energy_changes_by_the_floor_and_the_impacts_only() -> None:
@@ -163,15 +130,21 @@ def test_impact_conserves_what_it_must(seed: int, stuck: bool) -> None:
     assert energy[1] <= energy[0] * (1.0 + IMPACT_REL)
 
 
-def test_housner_ratio_of_a_rectangle_and_the_two_ratios_of_the_statue() -> None:
-    alpha = FREE.alpha_rad(1)
-    after, _, _ = impact(bodies(100.0, FREE.inertia_kg_m2), 0.1, -0.1, 0.5, -1.0, 0.0, 0.0, 0.0)
-    assert -after == pytest.approx(1.0 - 1.5 * math.sin(alpha) ** 2, rel=IMPACT_REL)
+def test_what_an_impact_keeps_is_housner_s_and_differs_between_the_corners_of_the_statue() -> None:
     ratios = []
     for xn, xo, omega in ((0.3585, -0.0682, -1.0), (-0.0682, 0.3585, 1.0)):
         after, _, _ = impact(bodies(707.0, 152.4), xn, xo, 0.774, omega, 0.0, 0.0, 0.0)
         ratios.append(after / omega)
-    assert ratios[0] != pytest.approx(ratios[1], rel=0.05), "the two directions lose differently"
+        assert ratios[-1] == pytest.approx(housner_ratio(707.0, 152.4, 0.774, abs(xo), abs(xn)), rel=IMPACT_REL)
+    assert ratios[1] - ratios[0] > 0.1
+
+
+def test_energy_lost_at_each_impact_of_the_surveyed_statue_is_the_printed_one() -> None:
+    """On the floor with the inertia of the generated statue's mesh (scenes/paestum_floor.toml); the survey gives none."""
+    statue = replace(STATUE, inertia_kg_m2=118.72641)
+    impacts = simulate(statue, Harmonic(0.429 * GRAVITY, 3.0), duration_s=2.5, gravity_m_s2=GRAVITY).impacts
+    assert [event.time_s for event in impacts] == pytest.approx([0.854385, 0.955105, 1.758210, 1.934888], abs=PRINTED_S)
+    assert [-event.energy_j for event in impacts] == pytest.approx([9.095, 8.309, 5.284, 16.985], abs=PRINTED_J)
 
 
 MIRRORED: list[tuple[Excitation, Excitation, float, Form]] = [

@@ -8,7 +8,7 @@ Coulomb in the tangent, at all touching vertices at once. Rest holds while the l
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -38,34 +38,21 @@ Dense = Callable[[float], Array]
 
 @dataclass(frozen=True)
 class Event:
-    """What ended a phase, when, at which vertices, and the impulses of an impact."""
+    """What ended a phase, when, and at which vertices."""
 
     time_s: float
     kind: str
     vertices: tuple[int, ...] = ()
-    before: Array | None = None
-    after: Array | None = None
-    impulses: dict[int, Array] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Phase:
-    """A joint state from a time on, with the state there; how many other joint states were possible."""
-
-    time_s: float
-    joint: Joint
-    state: Array
-    others: int
 
 
 @dataclass(frozen=True)
 class Run:
-    """States on the output times (n, 13), events and phases in order, and how it ended: ran, or friction_paradox."""
+    """States on the output times (n, 13), events and joint states in order, and how it ended: ran, or friction_paradox."""
 
     times_s: Array
     states: Array
     events: list[Event]
-    phases: list[Phase]
+    joints: list[Joint]
     outcome: str
 
     def impacts(self) -> list[Event]:
@@ -91,18 +78,18 @@ def simulate(case: Case, start: Array, times_s: Array, *, max_events: int = EVEN
     states = np.full((len(times_s), 13), np.nan)
     states[0] = start
     events: list[Event] = []
-    phases: list[Phase] = []
+    joints: list[Joint] = []
     t, y, end = float(times_s[0]), start.copy(), float(times_s[-1])
     stops = sorted({b for b in case.breaks_s if t < b < end} | {end})
     previous: Joint | None = None
     outcome = "ran"
     try:
-        y, hit = _impact(case, y)
-        if hit is not None:
-            events.append(Event(t, "impact", *hit))
+        y, touching = _impact(case, y)
+        if touching:
+            events.append(Event(t, "impact", touching))
         while len(events) < max_events:
-            answer, y, others = _enter(case, t, y, previous)
-            phases.append(Phase(t, answer.joint, y.copy(), others))
+            answer, y = _enter(case, t, y, previous)
+            joints.append(answer.joint)
             stop = next(s for s in stops if s > t)
             after, kind, vertices, dense = _advance(case, t, y, answer, stop)
             inside = (times_s > t) & (times_s <= after)
@@ -111,35 +98,33 @@ def simulate(case: Case, start: Array, times_s: Array, *, max_events: int = EVEN
             if after >= end:
                 break
             if kind == "lands":
-                y, hit = _impact(case, y, vertices)
-                events.append(Event(t, "impact", *(hit or (vertices,))))
+                y, touching = _impact(case, y, vertices)
+                events.append(Event(t, "impact", touching or vertices))
             else:
                 events.append(Event(t, kind, vertices))
         else:
             outcome = "too many events"
     except FrictionParadox:
         outcome = "friction_paradox"
-    return Run(times_s, states, events, phases, outcome)
+    return Run(times_s, states, events, joints, outcome)
 
 
-def _impact(
-    case: Case, y: Array, landing: tuple[int, ...] = ()
-) -> tuple[Array, tuple[tuple[int, ...], Array, Array, dict[int, Array]] | None]:
-    """The state after an impact at all vertices that touch; nothing if none goes down."""
+def _impact(case: Case, y: Array, landing: tuple[int, ...] = ()) -> tuple[Array, tuple[int, ...]]:
+    """The state after an impact at all vertices that touch, and these; the state as it is if none goes down."""
     now = Kinematics.of(case, y)
     touching = tuple(i for i, p in enumerate(now.points) if p[2] <= SETTLED_M or i in landing)
     if not any(now.velocities[i, 2] < -STILL_M_S for i in touching):
-        return y, None
+        return y, ()
     scale = float(np.max(np.abs(now.velocities)))
     choice = Choice(now.points, now.jacobians, now.speeds, np.zeros((len(now.points), 3)), touching, {}, scale)
-    answer, _ = choose(case, choice)
+    answer = choose(case, choice)
     fresh = y.copy()
     fresh[3:6], fresh[10:13] = answer.motion[:3], answer.motion[3:]
-    return fresh, (touching, y, fresh, answer.forces)
+    return fresh, touching
 
 
-def _enter(case: Case, t: float, y: Array, lost: Joint | None) -> tuple[Answer, Array, int]:
-    """The joint state from here on, the state made exact for it, and how many others were possible.
+def _enter(case: Case, t: float, y: Array, lost: Joint | None) -> tuple[Answer, Array]:
+    """The joint state from here on, and the state made exact for it.
 
     lost: the joint state whose own sign has just vanished, continuously. At that instant its successors are borderline too, so
     they are chosen a moment later, where it is strictly lost; directions in which sliding begins are taken back to t.
@@ -148,10 +133,9 @@ def _enter(case: Case, t: float, y: Array, lost: Joint | None) -> tuple[Answer, 
     near = [i for i, p in enumerate(now.points) if p[2] <= SETTLED_M and now.velocities[i, 2] <= SETTLED_M_S]
     y = snapped(case, y, near, [i for i in near if np.hypot(*now.velocities[i, :2]) <= STILL_M_S])
     if lost is None:
-        answer, count = choose(case, _choice(case, t, y, near))
-        return answer, y, count - 1
+        return choose(case, _choice(case, t, y, near)), y
     choices = [_choice(case, t + k * LATER_S, _step(case, t, y, lost, k * LATER_S), near) for k in (1, 2)]
-    answer, count = choose(case, choices[0], lost)
+    answer = choose(case, choices[0], lost)
     starting = [i for i in answer.joint.sliding if i not in choices[0].moving]
     if starting:
         early = [math.atan2(*answer.directions[i][::-1]) for i in starting]
@@ -159,7 +143,7 @@ def _enter(case: Case, t: float, y: Array, lost: Joint | None) -> tuple[Answer, 
         turned = np.array([math.atan2(*late[i][::-1]) for i in starting]) - early
         back = early - (turned + math.pi) % (2.0 * math.pi) + math.pi
         answer.directions.update({i: np.array([math.cos(a), math.sin(a)]) for i, a in zip(starting, back, strict=True)})
-    return answer, y, count - 1
+    return answer, y
 
 
 def _choice(case: Case, t: float, y: Array, near: list[int]) -> Choice:

@@ -108,17 +108,6 @@ def unforced(case: Case, t: float, y: Array) -> Array:
     return np.concatenate([case.gravity(t), gyroscopic])
 
 
-def energy_j(case: Case, y: Array) -> float:
-    """Kinetic energy relative to the floor, and potential energy."""
-    kinetic = 0.5 * case.mass_kg * y[3:6] @ y[3:6] + 0.5 * y[10:13] @ case.inertia_kg_m2 @ y[10:13]
-    return float(kinetic + case.mass_kg * case.gravity_m_s2 * y[2])
-
-
-def angular_momentum(case: Case, y: Array) -> Array:
-    """About the centroid, in the floor's frame, kg m²/s."""
-    return rotation(y[6:10]) @ case.inertia_kg_m2 @ y[10:13]
-
-
 def snapped(case: Case, y: Array, contacts: list[int], sticking: list[int]) -> Array:
     """The state nearest by kinetic energy in which contacts are on the floor, do not leave it, and sticking ones are still."""
     y = y.copy()

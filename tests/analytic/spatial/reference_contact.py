@@ -84,35 +84,21 @@ def cone(mu: float, force: Array) -> float:
     return float(force[2] if math.isinf(mu) else mu * force[2] - np.hypot(force[0], force[1]))
 
 
-def edge_split(points: Array, forces: Sequence[Array]) -> tuple[Array, Array, float]:
-    """Normal forces of the edge's two vertices, forces across it, and their sum along it (whose split is open)."""
-    along = points[1, :2] - points[0, :2]
-    along = along / np.linalg.norm(along)
-    across = np.array([-along[1], along[0]])
-    both = np.array(forces)
-    return both[:, 2], both[:, :2] @ across, float(np.sum(both[:, :2] @ along))
-
-
 def edge_margin(mu: float, points: Array, forces: Sequence[Array]) -> float:
-    """Positive while some split along the edge keeps both forces in their cones: |P| < Σ √(μ²N² − c²)."""
-    normal, across, along = edge_split(points, forces)
+    """Positive while some split along the edge keeps both forces in their cones: |P| < Σ √(μ²N² − c²).
+
+    N and c are the forces' parts upwards and across the edge, P their sum along it, of which the split is open.
+    """
+    both = np.array(forces)
+    normal = both[:, 2]
     if math.isinf(mu):
         return float(np.min(normal))
+    along = points[1, :2] - points[0, :2]
+    along = along / np.linalg.norm(along)
+    across = both[:, :2] @ np.array([-along[1], along[0]])
     left = mu * normal - np.abs(across)
     room = np.sqrt(np.maximum(left * (mu * normal + np.abs(across)), 0.0))
-    return float(min(np.min(left), np.sum(room) - abs(along)))
-
-
-def least_edge_friction(points: Array, forces: Sequence[Array]) -> float:
-    """The least coefficient with which an edge holds."""
-    normal, across, along = edge_split(points, forces)
-    low = float(np.max(np.abs(across) / normal))
-    high = low + (abs(along) + 1.0) / float(np.min(normal))
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        short = np.sum(np.sqrt(np.maximum((middle * normal) ** 2 - across**2, 0.0))) < abs(along)
-        low, high = (middle, high) if short else (low, middle)
-    return high
+    return float(min(np.min(left), np.sum(room) - abs(float(np.sum(both[:, :2] @ along)))))
 
 
 def base_margin(mu: float, jacobians: Array, total: Array) -> float:
@@ -187,26 +173,13 @@ class Choice:
     scale: float
 
 
-def choose(case: Case, choice: Choice, excluded: Joint | None = None) -> tuple[Answer, int]:
-    """The joint state that keeps its own signs, most sticking first; how many with as many sticking vertices do."""
-    chosen: list[Answer] = []
+def choose(case: Case, choice: Choice, excluded: Joint | None = None) -> Answer:
+    """The joint state that keeps its own signs, most sticking first. Raises `FrictionParadox`."""
     for joint in candidates(choice.touching, list(choice.moving), slippery=not math.isinf(case.friction_kinetic)):
-        if chosen and len(joint.sticking) < len(chosen[0].joint.sticking):
-            break
-        if joint == excluded:
-            continue
-        for answer in answers(case, choice, joint):
+        for answer in answers(case, choice, joint) if joint != excluded else ():
             if keeps_signs(case, choice, answer):
-                if not any(_same(answer, other, choice) for other in chosen):
-                    chosen.append(answer)
-                break
-    if not chosen:
-        raise FrictionParadox
-    return chosen[0], len(chosen)
-
-
-def _same(one: Answer, other: Answer, choice: Choice) -> bool:
-    return bool(np.max(np.abs(one.motion - other.motion)) < 1e-6 * choice.scale)
+                return answer
+    raise FrictionParadox
 
 
 def keeps_signs(case: Case, choice: Choice, answer: Answer) -> bool:

@@ -11,7 +11,7 @@ from analytic import spatial
 from harness import Outcome, RunOptions, engines, load_scene
 from harness.accuracy.horizon import perturbed
 from harness.engines.spatial import outcome_of, problem_of
-from tests import budgets_spatial_reference as budget
+from tests import budgets_spatial as budget
 from tests.measures.seeded_scenes import space_scene
 
 FIRST_IMPACTS_S = 8.2

@@ -32,7 +32,7 @@ from reports.messages import ENGLISH, LANGUAGES, language
 from reports.pages.page import write_report
 from reports.terminal import COLUMNS as WIDTH
 from reports.terminal import LINES, record_lines
-from tests import budgets_spatial_reference as budget
+from tests import budgets_spatial as budget
 
 RESTITUTION, FRICTION = 0.4, 0.15
 

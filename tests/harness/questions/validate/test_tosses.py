@@ -34,7 +34,7 @@ from harness.questions.validate.validation_run import validate_measured
 from reports.messages import language
 from reports.pages.page import write_report
 from reports.terminal import LINES, record_lines
-from tests import budgets_spatial_reference as budget
+from tests import budgets_spatial as budget
 from tests.analytic.spatial.reference import initial_state
 from tests.analytic.spatial.reference import simulate as flown
 from tests.analytic.spatial.reference_body import Case, rotation
