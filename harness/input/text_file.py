@@ -114,7 +114,10 @@ def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
     try:
         with _unpacked(raw, where) as stream:
             raw = stream.read(most + 1)
-    except (OSError, EOFError, RuntimeError, NotImplementedError, zlib.error, zipfile.BadZipFile) as error:
+    except InputError:
+        raise
+    # zipfile asks for a place before the file's begin where a cut archive names one that is not there: a ValueError.
+    except (OSError, EOFError, RuntimeError, ValueError, zlib.error, zipfile.BadZipFile) as error:
         got = f"one that does not unpack ({error})"
         raise InputError(Mistake(where, "", "a whole gzip or ZIP file", got, "download it again")) from error
     if len(raw) > most:

@@ -46,11 +46,6 @@ def support_m(pedestal: Pedestal | None, slip_m: Array, extra: Mapping[str, Arra
     return np.asarray(slip_m + centroid_shift_m(pedestal, tilt_rad) + 0.5 * pedestal.height_m * np.sin(tilt_rad))
 
 
-def base_shift_m(pedestal: Pedestal | None, slip_m: Array, extra: Mapping[str, Array]) -> Array:
-    """Displacement (n,) of the statue's base, from a history's columns: of its support, and its own on that."""
-    return support_m(pedestal, slip_m, extra) + extra.get("statue_slip_m", np.zeros_like(slip_m))
-
-
 SOLID_COLUMNS: Final = (
     "pitch_rad",
     "roll_rad",

@@ -3,6 +3,7 @@
 import gzip
 import os
 import tracemalloc
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,17 @@ def bomb(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("bomb") / "member.gz"
     path.write_bytes(gzip.compress(b"0 " * 2**23))
     return path.read_bytes() * (BOMB_BYTES // 2**24)
+
+
+def test_an_archive_that_lost_bytes_anywhere_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "cut.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("a.csv", "t_s,a (g)\n" + "0.01,0.1\n" * 100)
+    whole = path.read_bytes()
+    for lost in (1, 7, 50, 900):
+        path.write_bytes(whole[:5] + whole[5 + lost :])
+        with pytest.raises(InputError, match=r"cut\.zip: .* whole gzip or ZIP file"):
+            read_bytes(path, "a record")
 
 
 def test_a_bomb_is_refused_and_little_of_it_unpacked(tmp_path: Path, bomb: bytes) -> None:
