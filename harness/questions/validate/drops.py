@@ -24,8 +24,8 @@ from harness.model.history import Array
 from harness.model.run import RunOptions
 from harness.model.scene import Contact, Pose, Scene
 from harness.questions.validate.jobs import Model
-from harness.questions.validate.measured_set import MeasuredSet, Rows, Told, by_name, read_groups, target_of, thrown
-from harness.records.validation import Cell, MeasuredTable
+from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown
+from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
 
 # Measured planar drops: how probable each model makes the final quarter turn that was seen.
 #
@@ -243,7 +243,7 @@ SCORES: Final = (
 ROWS: Final = ("drop", "model", "seen_quarter_turn", "probability", "log_score", "crps_quarter_turns")
 
 
-def scored_drops(measured: MeasuredSet) -> Told:
+def scored_drops(measured: MeasuredSet) -> MeasuredRecord:
     """How probable each model makes the final quarter turn of every drop that was not fitted on.
 
     Each drop is run in `samples` draws (0: 32) of its measured start and of the two coefficients; how the draws are weighed is
@@ -279,12 +279,12 @@ def scored_drops(measured: MeasuredSet) -> Told:
     found = [caution("drops_dragged", fall_m_s2=fall, drag_m_s2=base.gravity_m_s2 - fall), *failed]
     if refused:
         found.append(caution("drops_refused", count=len(refused), names=list(refused)))
-    return Told(
-        f"{len(drops)} measured planar drops",
-        _answer(rows, len(rest), len(drops)),
-        [MeasuredTable("models", SCORES, rows), MeasuredTable("drops", ROWS, each)],
-        found,
-        count,
+    return measured.told(
+        title=f"{len(drops)} measured planar drops",
+        answer=_answer(rows, len(rest), len(drops)),
+        tables=[MeasuredTable("models", SCORES, rows), MeasuredTable("drops", ROWS, each)],
+        findings=found,
+        samples=count,
     )
 
 

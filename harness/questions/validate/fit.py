@@ -95,6 +95,8 @@ class FittedInputs:
 
     def draws(self, trial: Trial, samples: int) -> list[TrialVariant]:
         """So many draws of a test."""
+        if not samples:
+            return []
         weighed = self.of_others.get(trial.name) or self.of_set_up.get((trial.body, trial.day))
         count = min(samples, WIDTH_DRAWS) if trial.name in self.of_others else samples
         settings = weighed.drawn(count) if weighed else designed(trial.unknown, count)

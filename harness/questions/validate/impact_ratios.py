@@ -17,8 +17,8 @@ from analytic.closed_form import rectangle_ratio
 from harness.model.errors import Mistake, refuse
 from harness.model.finding import Answer, caution, info
 from harness.model.history import Array
-from harness.questions.validate.measured_set import MeasuredSet, Rows, Told, read_groups
-from harness.records.validation import Cell, MeasuredTable
+from harness.questions.validate.measured_set import MeasuredSet, Rows, read_groups
+from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
 
 COLUMNS: Final = ("group", "trial", "width_m", "height_m", "depth_m", "mass_kg", "ratio_measured")
 ROWS: Final = (
@@ -73,7 +73,7 @@ def imposed(groups: Sequence[BlockTrials]) -> list[float]:
     return [(sum(means) - own) / (len(means) - 1) for own in means]
 
 
-def scored_ratios(measured: MeasuredSet) -> Told:
+def scored_ratios(measured: MeasuredSet) -> MeasuredRecord:
     """Bias and scatter of the model's ratio and of an imposed one against measured ones; `InputError` for a wrong table."""
     groups = read_ratios(measured.table)
     scatter, given = repeats_sd(groups), imposed(groups)
@@ -98,9 +98,11 @@ def scored_ratios(measured: MeasuredSet) -> Told:
     found = [info("ratio_imposed", ratio=mean, rms=misses["imposed"][1])]
     if above:
         found.append(caution("ratios_gain", count=above, of=every.size))
-    return Told(
-        f"{every.size} measured ratios at first impacts",
-        Answer("impact_ratios", [info("ratios_missed", bias=bias, rms=rms, scatter=scatter, share=rms / scatter)]),
-        [MeasuredTable("laws", SUMS, sums), MeasuredTable("groups", ROWS, rows)],
-        found,
+    return measured.told(
+        title=f"{every.size} measured ratios at first impacts",
+        answer=Answer(
+            "impact_ratios", [info("ratios_missed", bias=bias, rms=rms, scatter=scatter, share=rms / scatter)]
+        ),
+        tables=[MeasuredTable("laws", SUMS, sums), MeasuredTable("groups", ROWS, rows)],
+        findings=found,
     )

@@ -16,11 +16,10 @@ from harness.accuracy.simulation import RunTarget
 from harness.input.scene_file import load_scene
 from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model.errors import InputError, Mistake, refuse
-from harness.model.finding import Answer, Finding
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
 from harness.questions.validate.jobs import Model, parse_model
-from harness.records.validation import Cell, MeasuredTable
+from harness.records.validation import Cell, MeasuredRecord
 from harness.runs.runner import Pool
 
 LARGEST: Final = 1e9
@@ -34,7 +33,7 @@ Rows = list[Sequence[Cell]]
 class MeasuredSet:
     """A table of measurements and what is asked of it: the scene whose statue was thrown, the models, draws of each throw.
 
-    `on_progress` hears how many throws are computed, of how many.
+    `on_progress` hears how many throws are computed, of how many. `told` makes the record of what came of it.
     """
 
     table: Path
@@ -44,6 +43,7 @@ class MeasuredSet:
     seed: int
     pool: Pool
     on_progress: Callable[[int, int], None]
+    told: Callable[..., MeasuredRecord]
 
     @property
     def base(self) -> Scene:
@@ -60,17 +60,6 @@ class MeasuredSet:
         order = np.random.default_rng(self.seed).permutation(count).tolist()
         most = max(round(FITTED * count), 1)
         return sorted(order[:most]), sorted(order[most:])
-
-
-@dataclass(frozen=True)
-class Told:
-    """What came of a measured set; the first table is the one to read."""
-
-    title: str
-    answer: Answer
-    tables: Sequence[MeasuredTable]
-    findings: Sequence[Finding]
-    samples: int | None = None
 
 
 def header(path: Path) -> tuple[str, ...]:

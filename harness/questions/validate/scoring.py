@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Final
 
@@ -81,8 +81,7 @@ def _flips(trial: Trial, variant: TrialVariant, answer: CaseRun) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class ModelAnswers:
-    """One model's answers to all tests: what was chosen of the unknown inputs, every run, `samples` draws of each test, and the
-    keys of the runs in the store.
+    """One model's answers to all tests: what was chosen of the unknown inputs, every run, and `samples` draws of each test.
 
     Tests that are not `asked` (None: all are) are another model's, whose boundary is nowhere near.
     """
@@ -91,7 +90,6 @@ class ModelAnswers:
     choice: FittedInputs
     answers: Answers
     samples: int
-    keys: Mapping[tuple[str, TrialVariant], str] = field(default_factory=dict)
     asked: frozenset[str] | None = None
 
     def run(self, trial: Trial) -> CaseRun:
@@ -102,9 +100,7 @@ class ModelAnswers:
 
     def drawn(self, trial: Trial) -> list[Drawn | CaseRun]:
         """The draws of a test."""
-        return (
-            [self.answers[trial.name, each] for each in self.choice.draws(trial, self.samples)] if self.samples else []
-        )
+        return [self.answers[trial.name, each] for each in self.choice.draws(trial, self.samples)]
 
     def disagrees(self, trial: Trial) -> bool:
         """Whether a test's runs end differently: it is near the boundary."""
@@ -333,8 +329,13 @@ def score_pairs(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> li
     the peaks and the times at which they are reached.
     """
     rows = {
-        item.model.name: [_row(trial, item) for trial in trials if item.asked is None or trial.name in item.asked]
+        name: [
+            KeyedRow(number=trial.row, engine=name, reason="", varied={}, run=item.run(trial), key=None)
+            for trial in trials
+            if item.asked is None or trial.name in item.asked
+        ]
         for item in answered
+        for name in [item.model.name]
     }
     pairs = []
     for b, a in itertools.combinations(rows, 2):
@@ -346,10 +347,6 @@ def score_pairs(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> li
         ]
         pairs.append(PairScores(a=a, b=b, unstated=unstated, **vars(scores)))
     return pairs
-
-
-def _row(trial: Trial, item: ModelAnswers) -> KeyedRow:
-    return KeyedRow(number=trial.row, engine=item.model.name, reason="", varied={}, run=item.run(trial), key=None)
 
 
 # What needs no model: a bare PGV threshold and probability, and the fragility contour in PGA against PGV/PGA.

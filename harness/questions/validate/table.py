@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,47 +13,120 @@ from typing import Any, Final
 
 from harness.comparison.statistics.outcomes import FELL
 from harness.input import paths
-from harness.input.text_file import decimal, decoded, read_bytes
+from harness.input.text_file import decoded, numbers, read_bytes
 from harness.model.errors import InputError, Mistake, nearest, refuse
 from harness.model.history import Outcome
 from harness.model.run_set import grouped
 
-COLUMNS: Final[Mapping[str, str]] = {
-    "test": "name of the test, each once",
-    "scene": "scene file (TOML) whose statue, pedestal and contact are meant; or",
-    "mesh": "file of the body's surface, standing on the floor",
-    "unit": "unit of the mesh: m, dm, cm, mm, in, ft (default m)",
-    "up": "vertical axis of the mesh's file (default z)",
-    "density_kg_m3": "density of the body (default 2700; without a pedestal it changes nothing)",
-    "mass_kg": "mass of the body of a mesh as weighed (default: from its density)",
-    "contact_tolerance_m": "height above a mesh's lowest point within which it touches (default 0.001)",
-    "inset_m": "how far the base's edge is worn inwards (default 0)",
-    "azimuth_deg": "turn of the body about the vertical (default 0)",
-    "friction": "friction of the body on its support (default: the scene's)",
-    "motion": "file of the table's motion, any format that a scene may name (default: the scene's)",
-    "column": "channel along the rocking plane",
-    "column_y": "channel across it",
-    "column_z": "vertical channel",
-    "motion_unit": "unit of the motion where its file does not state it: m/s2, cm/s2, mm/s2, g",
-    "time_column": "column of times of a motion's table, by its header or number, where no reader knows it",
-    "baseline": "what is taken off the motion: none, mean, linear, quadratic, rest (default none)",
-    "bandpass_hz": "filter of the motion: two corner frequencies, low;high, or none; several with | (default none)",
-    "sign": "1 or -1: whether the table's positive direction is the scene's (default 1)",
-    "scale": "factor on the motion (default 1)",
-    "duration_s": "time to simulate (default: the motion's end and a while for rocking to die down)",
-    "observed": "0 or stands, 1 or overturned, or with its side: overturned_left, _right, _front, _back",
-    "history": "file of the measured rotation (columns t_s, theta_rad)",
-    "history_uncertainty_rad": "standard uncertainty of the measured rotation",
-    "day": "day of testing, or whatever else was set up at once (default: all tests of a body)",
-    "share": "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)",
+LARGEST: Final = 1e6
+"""Larger than any azimuth, density, friction, factor on a motion or duration of a test."""
+LIST: Final = ";"
+"""What parts several values of a column."""
+OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
+NUMBERED: Final[Mapping[str, str]] = {"0": Outcome.STANDS.value, "1": FELL}
+"""Outcomes as a logbook writes them."""
+SIGNS: Final[Mapping[str, int]] = {"1": 1, "-1": -1, "+1": 1}
+
+# What makes a value of a cell's text; `InputError` for a text of which it makes none.
+
+
+def one_of(*known: str, meaning: Mapping[str, Any] | None = None) -> Callable[[str], Any]:
+    """Reads one of these texts, by what it means where that is another thing."""
+
+    def read(text: str) -> Any:
+        if text not in known:
+            raise InputError(Mistake("", "", f"one of {', '.join(known)}", repr(text), nearest(text, known)))
+        return (meaning or {}).get(text, text)
+
+    return read
+
+
+def number(wanted: str, above: float = -math.inf) -> Callable[[str], float]:
+    """Reads a number above a limit, no larger than any that is measured."""
+
+    def read(text: str) -> float:
+        (value,) = numbers([text])
+        if not (abs(value) <= LARGEST and value > above):
+            raise InputError(Mistake("", "", wanted, repr(text)))
+        return value
+
+    return read
+
+
+POSITIVE: Final = number(f"one number above 0, at most {LARGEST:g}", 0.0)
+POSITIVES: Final = number(f"a finite number above 0, at most {LARGEST:g} (several with {LIST})", 0.0)
+NUMBERS: Final = number(f"a finite number, at most {LARGEST:g} (several with {LIST})")
+
+
+def band(text: str) -> tuple[float, float] | None:
+    """Reads two corner frequencies, or none."""
+    ends = numbers(text.split(LIST))
+    if text not in ("", "none") and not (len(ends) == 2 and 0.0 < ends[0] < ends[1] <= LARGEST):
+        raise InputError(Mistake("", "", "two frequencies, low;high (several with |)", repr(text)))
+    return (ends[0], ends[1]) if len(ends) == 2 else None
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a column says, what reads one of its values (a `Path`: of an existing file), and what parts several of them."""
+
+    says: str
+    read: Callable[[str], Any] = str
+    parted: str = ""
+
+
+COLUMNS: Final[Mapping[str, Column]] = {
+    "test": Column("name of the test, each once"),
+    "scene": Column("scene file (TOML) whose statue, pedestal and contact are meant; or", Path),
+    "mesh": Column("file of the body's surface, standing on the floor", Path),
+    "unit": Column("unit of the mesh: m, dm, cm, mm, in, ft (default m)", one_of("m", "dm", "cm", "mm", "in", "ft")),
+    "up": Column("vertical axis of the mesh's file (default z)", one_of("x", "y", "z", "-x", "-y", "-z")),
+    "density_kg_m3": Column("density of the body (default 2700; without a pedestal it changes nothing)", POSITIVE),
+    "mass_kg": Column("mass of the body of a mesh as weighed (default: from its density)", POSITIVE),
+    "contact_tolerance_m": Column(
+        "height above a mesh's lowest point within which it touches (default 0.001)", POSITIVES, LIST
+    ),
+    "inset_m": Column("how far the base's edge is worn inwards (default 0)", NUMBERS, LIST),
+    "azimuth_deg": Column("turn of the body about the vertical (default 0)", NUMBERS, LIST),
+    "friction": Column("friction of the body on its support (default: the scene's)", POSITIVES, LIST),
+    "motion": Column("file of the table's motion, any format that a scene may name (default: the scene's)", Path),
+    "column": Column("channel along the rocking plane"),
+    "column_y": Column("channel across it"),
+    "column_z": Column("vertical channel"),
+    "motion_unit": Column(
+        "unit of the motion where its file does not state it: m/s2, cm/s2, mm/s2, g",
+        one_of("m/s2", "cm/s2", "mm/s2", "g"),
+    ),
+    "time_column": Column("column of times of a motion's table, by its header or number, where no reader knows it"),
+    "baseline": Column(
+        "what is taken off the motion: none, mean, linear, quadratic, rest (default none)",
+        one_of("none", "mean", "linear", "quadratic", "rest"),
+        LIST,
+    ),
+    "bandpass_hz": Column(
+        "filter of the motion: two corner frequencies, low;high, or none; several with | (default none)", band, "|"
+    ),
+    "sign": Column(
+        "1 or -1: whether the table's positive direction is the scene's (default 1)",
+        one_of(*SIGNS, meaning=SIGNS),
+        LIST,
+    ),
+    "scale": Column("factor on the motion (default 1)", POSITIVES, LIST),
+    "duration_s": Column("time to simulate (default: the motion's end and a while for rocking to die down)", POSITIVE),
+    "observed": Column(
+        "0 or stands, 1 or overturned, or with its side: overturned_left, _right, _front, _back",
+        one_of(*NUMBERED, *OBSERVED, meaning=NUMBERED),
+    ),
+    "history": Column("file of the measured rotation (columns t_s, theta_rad)", Path),
+    "history_uncertainty_rad": Column("standard uncertainty of the measured rotation", POSITIVE),
+    "day": Column("day of testing, or whatever else was set up at once (default: all tests of a body)"),
+    "share": Column(
+        "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)"
+    ),
 }
 OF_MESH: Final = ("unit", "up", "density_kg_m3", "mass_kg", "contact_tolerance_m")
 OF_MOTION: Final = ("column", "column_y", "column_z", "motion_unit", "time_column", "baseline", "bandpass_hz")
 """What is said of a body's mesh, and of a motion's file."""
-OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
-NUMBERED: Final[Mapping[str, str]] = {"0": Outcome.STANDS.value, "1": FELL}
-"""Outcomes as a logbook writes them."""
-BASELINES: Final = ("none", "mean", "linear", "quadratic", "rest")
 
 
 @dataclass(frozen=True)
@@ -73,10 +146,6 @@ class Inputs:
 OPEN: Final = tuple(item.name for item in fields(Inputs))
 OF_BODY: Final = ("contact_tolerance_m", "inset_m", "friction")
 """What a body keeps from day to day; the others are each day's own."""
-LARGEST: Final = 1e6
-"""Larger than any azimuth, density, friction, factor on a motion or duration of a test."""
-LIST_SEPARATOR: Final = ";"
-DEFAULT_DENSITY_KG_M3: Final = 2700.0
 
 
 @dataclass(frozen=True)
@@ -90,7 +159,7 @@ class Trial:
     mesh: Path | None = None
     unit: str = "m"
     up: str = "z"
-    density_kg_m3: float = DEFAULT_DENSITY_KG_M3
+    density_kg_m3: float = 2700.0
     mass_kg: float | None = None
     azimuth_deg: tuple[float, ...] = (0.0,)
     contact_tolerance_m: tuple[float | None, ...] = (None,)
@@ -160,7 +229,13 @@ def read_table(path: Path) -> list[Trial]:
     names = [name.strip() for name in lines[0]]
     mistakes = _header(path, names)
     refuse(mistakes)
-    tests = [_Row(path, number, names, cells, mark, mistakes).trial() for number, cells in enumerate(lines[1:], 1)]
+    tests = []
+    for row, cells in enumerate(lines[1:], 1):
+        if len(cells) != len(names):
+            mistakes.append(Mistake(str(path), f"row {row}", f"{len(names)} cells", f"{len(cells)}"))
+        # A table that is not parted by commas may have decimal commas.
+        named = {name: cell.strip() for name, cell in zip(names, cells, strict=False)}
+        tests.append(_trial(path, row, named, "," if mark == "," else ".", mistakes))
     mistakes += _set_of_tests(path, tests)
     refuse(mistakes)
     return tests
@@ -205,130 +280,36 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
     ]
 
 
-class _Row:
-    """One line being read; its mistakes go to the table's list."""
-
-    def __init__(
-        self, path: Path, number: int, names: list[str], cells: list[str], mark: str, mistakes: list[Mistake]
-    ) -> None:
-        self._path, self._number, self._mistakes = path, number, mistakes
-        self._comma = "," if mark == "," else "."  # a table that is not parted by commas may have decimal commas
-        if len(cells) != len(names):
-            self._wrong("", f"{len(names)} cells", f"{len(cells)}")
-        self._cells = {name: cell.strip() for name, cell in zip(names, cells, strict=False)}
-
-    def trial(self) -> Trial:
-        """The test of this row, with whatever could be read of it."""
-        scene, mesh = self._file("scene"), self._file("mesh")
-        if not self._cell("test"):
-            self._wrong("test", COLUMNS["test"], "nothing")
-        if bool(self._cell("scene")) == bool(self._cell("mesh")):
-            self._wrong("scene", "either a scene or a mesh", "both" if self._cell("scene") else "neither")
-        motion = self._file("motion")
-        if self._cell("mesh") and not self._cell("motion"):
-            self._wrong("motion", "a file with the table's motion", "nothing")
-        elif not self._cell("motion") and (said := self._said(OF_MOTION)):
-            self._wrong("motion", f"{said} of a file", "the scene's own motion", "say it in its own file")
-        if scene and (said := self._said(OF_MESH)):
-            self._wrong("scene", f"{said} of a mesh", "a scene", "say it in its own file")
-        return Trial(
-            name=self._cell("test") or f"row {self._number}",
-            row=self._number,
-            observed=NUMBERED.get(self._cell("observed")) or self._choice("observed", (*NUMBERED, *OBSERVED), ""),
-            scene=scene,
-            mesh=mesh,
-            unit=self._choice("unit", ("m", "dm", "cm", "mm", "in", "ft"), "m"),
-            up=self._choice("up", ("x", "y", "z", "-x", "-y", "-z"), "z"),
-            density_kg_m3=self._number_in("density_kg_m3", DEFAULT_DENSITY_KG_M3),
-            mass_kg=self._number_in("mass_kg") or None,
-            azimuth_deg=tuple(self._numbers("azimuth_deg")) or (0.0,),
-            contact_tolerance_m=tuple(self._numbers("contact_tolerance_m", above=0.0)) or (None,),
-            inset_m=tuple(self._numbers("inset_m")) or (0.0,),
-            friction=tuple(self._numbers("friction", above=0.0)) or (None,),
-            sign=tuple(int(each) for each in self._choices("sign", ("1", "-1", "+1"), "1")),
-            scale=tuple(self._numbers("scale", above=0.0)) or (1.0,),
-            baseline=tuple(self._choices("baseline", BASELINES, "none")),
-            bandpass_hz=self._bands(),
-            motion=motion,
-            column=self._cell("column") or None,
-            column_y=self._cell("column_y") or None,
-            column_z=self._cell("column_z") or None,
-            motion_unit=self._choice("motion_unit", ("m/s2", "cm/s2", "mm/s2", "g"), "") or None,
-            time_column=self._cell("time_column") or None,
-            duration_s=self._number_in("duration_s") or None,
-            history=self._file("history"),
-            history_uncertainty_rad=self._number_in("history_uncertainty_rad") or None,
-            day=self._cell("day"),
-            share=self._cell("share"),
-        )
-
-    def _said(self, columns: Sequence[str]) -> str:
-        """Those of the columns in which something stands."""
-        return " and ".join(name for name in columns if self._cell(name))
-
-    def _cell(self, name: str) -> str:
-        return self._cells.get(name, "")
-
-    def _wrong(self, column: str, wanted: str, got: str, advice: str = "") -> None:
-        key = f"row {self._number}: {column}" if column else f"row {self._number}"
-        self._mistakes.append(Mistake(str(self._path), key, wanted, got, advice))
-
-    def _file(self, column: str) -> Path | None:
-        if not self._cell(column):
-            return None
-        key = f"row {self._number}: {column}"
-        try:
-            return paths.resolve(self._cell(column), base_dir=self._path.parent, where=str(self._path), key=key)
-        except InputError as error:
-            self._mistakes.extend(error.mistakes)
-            return None
-
-    def _choice(self, column: str, known: Sequence[str], otherwise: str) -> str:
-        return self._known(column, self._cell(column) or otherwise, known, otherwise)
-
-    def _choices(self, column: str, known: Sequence[str], otherwise: str) -> list[str]:
-        cells = (self._cell(column) or otherwise).split(LIST_SEPARATOR)
-        return list(dict.fromkeys(self._known(column, cell.strip(), known, otherwise) for cell in cells))
-
-    def _known(self, column: str, cell: str, known: Sequence[str], otherwise: str) -> str:
-        if cell in known or (cell == otherwise and column != "observed"):
-            return cell
-        self._wrong(column, f"one of {', '.join(known)}", repr(cell), nearest(cell, known))
-        return otherwise or known[0]
-
-    def _bands(self) -> tuple[tuple[float, float] | None, ...]:
-        bands: list[tuple[float, float] | None] = []
-        for cell in self._cell("bandpass_hz").split("|"):
-            if cell.strip() in ("", "none"):
-                bands.append(None)
-                continue
-            band = self._parsed("bandpass_hz", cell, 0.0)
-            if len(band) == 2 and band[0] < band[1]:
-                bands.append((band[0], band[1]))
-            else:
-                self._wrong("bandpass_hz", "two frequencies, low;high (several with |)", repr(cell.strip()))
-        return tuple(dict.fromkeys(bands)) or (None,)
-
-    def _numbers(self, column: str, above: float = -math.inf) -> list[float]:
-        return list(dict.fromkeys(self._parsed(column, self._cell(column), above)))
-
-    def _parsed(self, column: str, cell: str, above: float) -> list[float]:
-        numbers = []
-        for text in cell.split(LIST_SEPARATOR) if cell else []:
+def _trial(path: Path, row: int, cells: Mapping[str, str], comma: str, mistakes: list[Mistake]) -> Trial:
+    """The test of a row, with whatever could be read of it; what is wrong goes to the table's mistakes."""
+    given: dict[str, Any] = {}
+    for name, cell in ((name, cell) for name, cell in cells.items() if cell):
+        column, values, key = COLUMNS[name], [], f"row {row}: {name}"
+        for text in map(str.strip, cell.split(column.parted) if column.parted else [cell]):
             try:
-                value = decimal(text.replace(",", self._comma))
-            except ValueError:
-                value = math.nan
-            if not (abs(value) <= LARGEST and value > above):
-                limit = "" if above == -math.inf else f" above {above:g}"
-                wanted = f"a finite number{limit}, at most {LARGEST:g} (several with {LIST_SEPARATOR})"
-                self._wrong(column, wanted, repr(text.strip()))
-                continue
-            numbers.append(value)
-        return numbers
-
-    def _number_in(self, column: str, otherwise: float = 0.0) -> float:
-        numbers = self._numbers(column, above=0.0)
-        if len(numbers) > 1:
-            self._wrong(column, "one number", self._cell(column))
-        return numbers[0] if numbers else otherwise
+                if column.read is Path:
+                    values.append(paths.resolve(text, base_dir=path.parent, where=str(path), key=key))
+                else:
+                    values.append(column.read(text if column.read is str else text.replace(",", comma)))
+            except InputError as error:
+                mistakes += [replace(each, where=str(path), key=key) for each in error.mistakes]
+        if values:
+            given[name] = tuple(dict.fromkeys(values)) if column.parted else values[0]
+    scene, mesh, motion = (bool(cells.get(name)) for name in ("scene", "mesh", "motion"))
+    of_mesh, of_motion = (" and ".join(name for name in names if cells.get(name)) for names in (OF_MESH, OF_MOTION))
+    elsewhere = "say it in its own file"
+    rules = [
+        *((not cells.get(name), name, COLUMNS[name].says, "nothing", "") for name in ("test", "observed")),
+        (scene == mesh, "scene", "either a scene or a mesh", "both" if scene else "neither", ""),
+        (mesh and not motion, "motion", "a file with the table's motion", "nothing", ""),
+        (
+            of_motion and not mesh and not motion,
+            "motion",
+            f"{of_motion} of a file",
+            "the scene's own motion",
+            elsewhere,
+        ),
+        (of_mesh and scene, "scene", f"{of_mesh} of a mesh", "a scene", elsewhere),
+    ]
+    mistakes += [Mistake(str(path), f"row {row}: {column}", *told) for broken, column, *told in rules if broken]
+    return Trial(given.pop("test", f"row {row}"), row, given.pop("observed", ""), **given)

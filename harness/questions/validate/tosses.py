@@ -27,8 +27,8 @@ from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import Array, History
 from harness.model.scene import Contact, Pose, Scene, Statue, rotations
 from harness.questions.validate.jobs import Model
-from harness.questions.validate.measured_set import MeasuredSet, Rows, Told, by_name, read_groups, target_of, thrown
-from harness.records.validation import MeasuredTable
+from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown
+from harness.records.validation import MeasuredRecord, MeasuredTable
 
 PLACE: Final = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
 RATES: Final = ("vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s")
@@ -334,7 +334,7 @@ TABLES: Final = {
 }  # fmt: skip
 
 
-def scored_tosses(measured: MeasuredSet) -> Told:
+def scored_tosses(measured: MeasuredSet) -> MeasuredRecord:
     """How far each model's rotations and places are off, with the friction and restitution with which it comes nearest.
 
     Raises `InputError` for a wrong table or model.
@@ -358,7 +358,7 @@ def scored_tosses(measured: MeasuredSet) -> Told:
     if abs(_width_m(base) - PUBLISHED_WIDTH_M) < 1e-4:
         rows["means"] += PUBLISHED
     tables = [MeasuredTable(name, columns, rows[name]) for name, columns in TABLES.items()]
-    return Told(f"{len(tosses)} measured tosses", answer, tables, found)
+    return measured.told(title=f"{len(tosses)} measured tosses", answer=answer, tables=tables, findings=found)
 
 
 def _width_m(base: Scene) -> float:

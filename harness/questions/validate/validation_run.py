@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -22,9 +23,9 @@ from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run_set import grouped
 from harness.questions.validate import drops, impact_ratios, tosses
-from harness.questions.validate.fit import Answers, FittedInputs, choose, planned
+from harness.questions.validate.fit import Answers, Ask, choose, planned
 from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
-from harness.questions.validate.measured_set import MeasuredSet, Told, body_alone, header
+from harness.questions.validate.measured_set import MeasuredSet, body_alone, header
 from harness.questions.validate.scenes import Intensity, TrialVariant, intensity_of
 from harness.questions.validate.scoring import (
     ModelAnswers,
@@ -164,13 +165,10 @@ def run_validation(
             campaign = Campaign(store, pool, told, BATCH, BATCH_OTHERWISE)
             answered: list[ModelAnswers] = []
             for model in chosen:
-                runs = Runs(store, campaign, model, seed)
-                base = next((each for each in answered if each.model.name == model.near), None)
-                answered.append(
-                    _answered(runs, trials, share, samples) if base is None else _near(runs, trials, base, samples)
-                )
+                near = next((each for each in answered if each.model.name == model.near), None)
+                answered.append(_answered(model, _asking(campaign, model, seed), trials, share, samples, near))
             on_progress(campaign.computed, campaign.computed)
-            histories = {item.model.name: _histories(trials, item, store) for item in answered}
+            histories = {item.model.name: _histories(trials, item, store, seed) for item in answered}
     unknown = sorted({name for trial in trials for name in trial.unknown})
     result = ValidationRecord(
         title=f"Validation against {len(trials)} measured tests",
@@ -188,7 +186,18 @@ def run_validation(
         pairs=score_pairs(trials, answered),
         observed=curves(trials, intensities, lambda trial: trial.fell),
         baseline=score_baseline(share if rest else [], rest or trials, intensities),
-        rows=_rows(trials, answered, intensities),
+        rows=[
+            TestRow(
+                test=trial.name,
+                body=trial.body_name,
+                share=trial.share,
+                observed=trial.observed,
+                **vars(intensities[trial.name]),
+                predicted={item.model.name: str(item.run(trial).outcome) for item in answered},
+                probability={item.model.name: item.probability(trial) for item in answered},
+            )
+            for trial in trials
+        ],
         unexplained=_unexplained(trials, answered) if samples else [],
         repeats=repeats_of(rest or trials),
         experiments=experiments.name,
@@ -202,49 +211,36 @@ def run_validation(
     return write_whole(folder, result.texted(say))
 
 
-class Runs:
-    """The answers of one model, by test and variant; what is asked and not in the store is run."""
+def _asking(campaign: Campaign, model: Model, seed: int) -> Ask:
+    """What runs variants of tests by a model, those of which it heard before not again."""
+    answers: dict[tuple[str, TrialVariant], CaseRun | Drawn] = {}
 
-    def __init__(self, store: Store, campaign: Campaign, model: Model, seed: int) -> None:
-        self._store, self._campaign, self._seed = store, campaign, seed
-        self.model = model
-        self._answers: dict[tuple[str, TrialVariant], CaseRun | Drawn] = {}
-        self.keys: dict[tuple[str, TrialVariant], str] = {}
-
-    def __call__(self, pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
-        wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in self._answers]
+    def ask(pairs: Sequence[tuple[Trial, TrialVariant]]) -> Answers:
+        wanted = [pair for pair in dict.fromkeys(pairs) if (pair[0].name, pair[1]) not in answers]
         # Those of one body side by side, and of one motion: a worker then makes each statue once, and hears each motion once.
         wanted.sort(key=lambda pair: (pair[0].body, str(pair[0].motion)))
-        asked = asked_of(wanted, self.model, self._seed)
-        found = self._campaign.ask([each.task for each in asked]) if asked else []
-        for each, stored in zip(asked, found, strict=True):
+        asked = asked_of(wanted, model, seed)
+        for each, stored in zip(asked, campaign.ask([each.task for each in asked]), strict=True):
             assert stored is not None  # a worker that died has its answer, too
-            for key, answer in each.read(stored):
-                self._answers[key] = answer
-                self.keys[key] = each.task.key
-        return self._answers
+            answers.update(each.read(stored))
+        return answers
+
+    return ask
 
 
-def _answered(runs: Runs, trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> ModelAnswers:
-    """Fit the model on its share, then run every test as given and in its draws."""
-    choice = choose(share, runs, samples)
-    return ModelAnswers(runs.model, choice, runs(_wanted(trials, choice, samples)), samples, runs.keys)
+def _answered(
+    model: Model, ask: Ask, trials: Sequence[Trial], share: Sequence[Trial], samples: int, near: ModelAnswers | None
+) -> ModelAnswers:
+    """Fit the model on its share, then run every test as given and in its draws.
 
-
-def _near(runs: Runs, trials: Sequence[Trial], base: ModelAnswers, samples: int) -> ModelAnswers:
-    """Run the tests of which another model's draws disagree, at what was fitted for that; all others are as that says."""
-    near = [trial for trial in trials if base.disagrees(trial)]
-    answers = {**base.answers, **runs(_wanted(near, base.choice, samples))}
-    asked = frozenset(trial.name for trial in near)
-    return ModelAnswers(runs.model, base.choice, answers, samples, runs.keys, asked)
-
-
-def _wanted(trials: Sequence[Trial], choice: FittedInputs, samples: int) -> list[tuple[Trial, TrialVariant]]:
-    return [
-        (trial, variant)
-        for trial in trials
-        for variant in (choice.nominal(trial), *(choice.draws(trial, samples) if samples else ()))
-    ]
+    With another model `near` the choice is that one's, and only tests of which its draws disagree are run: others are as it says.
+    """
+    asked = trials if near is None else [trial for trial in trials if near.disagrees(trial)]
+    choice = choose(share, ask, samples) if near is None else near.choice
+    answers = ask([(trial, each) for trial in asked for each in (choice.nominal(trial), *choice.draws(trial, samples))])
+    if near is None:
+        return ModelAnswers(model, choice, answers, samples)
+    return ModelAnswers(model, choice, {**near.answers, **answers}, samples, frozenset(trial.name for trial in asked))
 
 
 def _unexplained(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> list[str]:
@@ -285,12 +281,13 @@ def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     return by_test
 
 
-def _histories(trials: Sequence[Trial], item: ModelAnswers, store: Store) -> list[MeasuredHistory]:
+def _histories(trials: Sequence[Trial], item: ModelAnswers, store: Store, seed: int) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
     for trial in trials:
         if trial.history is not None and (item.asked is None or trial.name in item.asked):
-            computed = store.run(item.keys[trial.name, item.choice.nominal(trial)])
+            (nominal,) = asked_of([(trial, item.choice.nominal(trial))], item.model, seed)
+            computed = store.run(nominal.task.key)
             scores = None
             if computed is not None and not computed.outcome.failed:
                 names = item.model.name, f"measured {trial.name}"
@@ -307,27 +304,9 @@ def _measured(trial: Trial, item: ModelAnswers) -> Measured | None:
     return Measured(trial.history_uncertainty_rad, float(np.std(peaks, ddof=1)) if len(peaks) > 1 else 0.0)
 
 
-def _rows(
-    trials: Sequence[Trial], answered: Sequence[ModelAnswers], intensities: Mapping[str, Intensity]
-) -> list[TestRow]:
-    return [
-        TestRow(
-            test=trial.name,
-            body=Path(trial.body).name,
-            share=trial.share,
-            observed=trial.observed,
-            pga_g=intensities[trial.name].pga_g,
-            pgv_m_s=intensities[trial.name].pgv_m_s,
-            predicted={item.model.name: str(item.run(trial).outcome) for item in answered},
-            probability={item.model.name: item.probability(trial) for item in answered},
-        )
-        for trial in trials
-    ]
-
-
 # What a table of measurements holds, by its header: which options go with it, and one call that scores all but tests.
 
-MEASURED: Final[Mapping[str, tuple[About, Sequence[str], Callable[[MeasuredSet], Told]]]] = {
+MEASURED: Final[Mapping[str, tuple[About, Sequence[str], Callable[[MeasuredSet], MeasuredRecord]]]] = {
     tosses.COLUMNS[0]: ("tosses", ("body", "engine"), tosses.scored_tosses),
     drops.COLUMNS[0]: ("drops", ("body", "engine", "samples"), drops.scored_drops),
     impact_ratios.COLUMNS[0]: ("impact_ratios", (), impact_ratios.scored_ratios),
@@ -378,15 +357,16 @@ def validate_measured(
     check_folder(folder, ("measured",), names)
     check_inputs(folder, names, [table, *([] if base is None else read_files(base.given, base.source))])
     with closing(LocalPool(jobs)) as pool, progress(table.name, quiet) as on_progress:
-        told = scored(MeasuredSet(table, base, models or (), samples, seed, pool, on_progress))
-    result = MeasuredRecord(
-        **vars(told),
-        about=about,
-        source=table.name,
-        body=None if body is None else body.name,
-        seed=seed,
-        versions=record.versions(),
-        machine=record.machine(),
-        seconds=time.perf_counter() - start_s,
-    )
+        told = partial(
+            MeasuredRecord,
+            about=about,
+            source=table.name,
+            body=None if body is None else body.name,
+            seed=seed,
+            versions=record.versions(),
+            machine=record.machine(),
+            seconds=0.0,
+        )
+        result = scored(MeasuredSet(table, base, models or (), samples, seed, pool, on_progress, told))
+    result = replace(result, seconds=time.perf_counter() - start_s)
     return write_whole(folder, result.texted(say))
