@@ -10,6 +10,7 @@ from typing import Any, Final, TypeAlias
 from markupsafe import Markup
 
 from harness.model.finding import Finding, Severity, weighed
+from harness.model.run_set import grouped
 from harness.records.base import Record, option_words
 from reports.messages import Language
 
@@ -248,11 +249,8 @@ def owned(finding: Finding) -> str:
 
 def notes(say: Language, findings: Iterable[Finding]) -> list[Block]:
     """Findings under the heading of their severity, the lightest folded away."""
-    texts: dict[Severity, list[str]] = {}
-    for each in weighed(findings):
-        texts.setdefault(each.severity, []).append(owned(each))
     blocks: list[Block] = []
-    for severity, lines in texts.items():
+    for severity, lines in grouped((each.severity, owned(each)) for each in weighed(findings)).items():
         heading = say(f"severity.{severity}")
         if severity is Severity.INFO:
             blocks.append(Details(f"{heading} ({len(lines)})", [Text(lines, "notes")]))

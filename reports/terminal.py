@@ -12,6 +12,7 @@ from harness.input.mesh_statue import findings_of, steps_of
 from harness.model.errors import printable
 from harness.model.finding import Finding, Severity, texted, weighed
 from harness.model.run import Run, number
+from harness.model.run_set import grouped
 from harness.records.base import Record
 from harness.records.run import STILL_RAD, RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
 from harness.records.scene import SceneRecord
@@ -82,11 +83,8 @@ def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
     """How many runs of each model ended how."""
     from reports.text.wording import told_family
 
-    ends: dict[str, Counter[str]] = {}
-    for row in record.rows:
-        if row.run is not None:
-            kind = told_family(row.run)
-            ends.setdefault(row.model, Counter())[kind] += 1
+    runs = grouped((row.model, told_family(row.run)) for row in record.rows if row.run is not None)
+    ends = {model: Counter(families) for model, families in runs.items()}
     kinds = list(dict.fromkeys(kind for count in ends.values() for kind in count))
     cells = [[model, str(count.total()), *(str(count[kind]) for kind in kinds)] for model, count in ends.items()]
     heading = ["model", "runs", *(ENGLISH.strings[f"ends.{kind}"] for kind in kinds)]

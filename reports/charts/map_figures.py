@@ -10,10 +10,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.model.run_set import grouped
 from harness.questions.study.case_selection import SAME_CELL, Place, filled
 from harness.questions.trust.point import MODEL
 from harness.records.bench import StabilityCell
-from harness.records.study import CaseRun
 from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json
 from reports.charts.figure import (
@@ -80,11 +80,9 @@ def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str,
     return (second, first) if "amplitude" in first else (first, second)
 
 
-def grouped(conditions: Sequence[Condition], keys: Sequence[str], say: Language) -> list[tuple[str, list[Condition]]]:
+def alike(conditions: Sequence[Condition], keys: Sequence[str], say: Language) -> list[tuple[str, list[Condition]]]:
     """Conditions by what these keys are, with that in words."""
-    groups: dict[str, list[Condition]] = {}
-    for item in conditions:
-        groups.setdefault(repr([item.varied[key] for key in keys]), []).append(item)
+    groups = grouped((repr([item.varied[key] for key in keys]), item) for item in conditions)
     return [
         ("".join(f" · {say.label(key)} {say.value(members[0].varied[key], 'plain')}" for key in keys), members)
         for members in groups.values()
@@ -99,7 +97,7 @@ def map_figures(
     if axes is None:
         return []
     figures = []
-    for where, members in grouped(conditions, [key for key in keys if key not in axes], say):
+    for where, members in alike(conditions, [key for key in keys if key not in axes], say):
         x, y = ((say.label(key), sorted({item.number(key) for item in members})) for key in axes)
         found = {model: _grid(model, members, axes, x, y, say) for model in models}
         grids = {model: grid for model, grid in found.items() if grid is not None}
@@ -114,14 +112,10 @@ def _grid(
 ) -> Grid | None:
     """Outcomes by place; where a place holds several random samples, the most frequent one and its share in words."""
     rows, places = ({value: k for k, value in enumerate(values)} for _, values in (y, x))
-    samples: dict[Place, list[CaseRun]] = {}
-    agreed: list[Place] = []
-    for item in members:
-        place: Place = (rows[item.number(axes[1])], places[item.number(axes[0])])
-        if (run := item.run(model)) is not None:
-            samples.setdefault(place, []).append(run)
-        elif model in item.answers and item.answers[model].reason == SAME_CELL:
-            agreed.append(place)
+    placed: list[Place] = [(rows[item.number(axes[1])], places[item.number(axes[0])]) for item in members]
+    answers = [(place, row) for place, item in zip(placed, members, strict=True) if (row := item.answers.get(model))]
+    samples = grouped((place, row.run) for place, row in answers if row.run is not None)
+    agreed = [place for place, row in answers if row.run is None and row.reason == SAME_CELL]
     if not samples:
         return None
     codes = np.full((len(y[1]), len(x[1])), "none", dtype=object)

@@ -8,6 +8,7 @@ import numpy as np
 from harness.comparison.statistics.distributions import wilson
 from harness.comparison.statistics.fragility import fit
 from harness.model.finding import Finding, info
+from harness.model.run_set import grouped
 from harness.records.run import STILL_RAD, falls
 from harness.records.study import CaseRun, Panel
 from harness.statics.standstill import STILL_M
@@ -36,7 +37,7 @@ from reports.charts.figure import (
     rows_of,
     upwards,
 )  # fmt: skip
-from reports.charts.map_figures import LEAST, grouped, map_axes, number_map, numeric
+from reports.charts.map_figures import LEAST, alike, map_axes, number_map, numeric
 from reports.drawing.effects_figures import RoseCurve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
@@ -149,7 +150,7 @@ def curve_figures(
     for key in keys:
         if len(numeric(conditions, key)) < LEAST:
             continue
-        groups = grouped(conditions, [other for other in keys if other != key], say)
+        groups = alike(conditions, [other for other in keys if other != key], say)
         if len(groups) <= MOST_GROUPS:
             by = say("text.by", name=say.label(key))
             figures += [(by + where, _curves(models, members, key, say)) for where, members in groups]
@@ -246,10 +247,8 @@ def fragility_figure(
     """
     data: dict[str, list[Json]] = {"points": [], "fits": []}
     for model in models:
-        levels: dict[float, list[bool]] = {}
-        for item, run in runs_of(conditions, model):
-            if (fallen := falls(run)) is not None:
-                levels.setdefault(abs(item.number(key)), []).append(fallen)
+        known = [(item, fallen) for item, run in runs_of(conditions, model) if (fallen := falls(run)) is not None]
+        levels = grouped((abs(item.number(key)), fallen) for item, fallen in known)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
             shares = [(x, share) for x, fell in sorted(levels.items()) if (share := wilson(sum(fell), len(fell)))]
             estimated = columns_of([share for _, share in shares])
@@ -285,14 +284,12 @@ def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: La
         return None
     drawn: list[RoseCurve] = []
     for model, style in model_looks(models).items():
-        least: dict[float, float | None] = {}
-        for item, run in runs_of(conditions, model):
-            angle, size_of = item.number(turn), abs(item.number(size))
-            known = least.setdefault(angle, None)
-            if run.outcome.overturned:
-                least[angle] = size_of if known is None else min(known, size_of)
-        if sum(value is not None for value in least.values()) >= LEAST_DIRECTIONS:
-            drawn.append(RoseCurve(model, dict(sorted(least.items())), style))
+        by_angle = grouped(
+            (item.number(turn), (run, abs(item.number(size)))) for item, run in runs_of(conditions, model)
+        )
+        fell = {angle: [most for run, most in by_angle[angle] if run.outcome.overturned] for angle in sorted(by_angle)}
+        if sum(map(bool, fell.values())) >= LEAST_DIRECTIONS:
+            drawn.append(RoseCurve(model, {angle: min(sizes, default=None) for angle, sizes in fell.items()}, style))
     if not drawn:
         return None
     most = max(abs(item.number(size)) for item in conditions)

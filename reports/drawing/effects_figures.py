@@ -31,7 +31,7 @@ from reports.charts.figure import (
 )
 from reports.drawing.kinematics import Faces, read_mesh
 from reports.drawing.scan_picture import directions_picture
-from reports.drawing.shapes import Picture, disc, path, plane, rings, text
+from reports.drawing.shapes import Picture, disc, path, plane, polar, rings, text
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 
@@ -113,10 +113,8 @@ def rose_of(
 
 def _places(peaks: Mapping[float, float | None], most: float) -> Array:
     """Where peaks by azimuth lie in the picture: x to the right, y of the statue's frame upwards; the largest on the rim."""
-    angles = np.radians(list(peaks))
-    reach = [most if peak is None else min(peak, most) for peak in peaks.values()]
-    points = np.column_stack([reach * np.cos(angles), reach * np.sin(angles)])
-    return plane(RADIUS / most, (0.0, 0.0), CENTRE)(points)
+    reach = {azimuth: most if peak is None else min(peak, most) for azimuth, peak in peaks.items()}
+    return plane(RADIUS / most, (0.0, 0.0), CENTRE)(polar(reach))
 
 
 def _style(curve: RoseCurve) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from reports.drawing.kinematics import (
     silhouette_m,
     wall_m,
 )
-from reports.drawing.shapes import Picture, box, disc, path, plane, rings, text
+from reports.drawing.shapes import Picture, box, disc, path, plane, polar, rings, text
 from reports.messages import Language
 from reports.pages.assets import environment
 from reports.source import RunSource
@@ -165,14 +165,13 @@ FARTHEST: Final = {"stroke": SHAKING, "width": 1.6, "dash": "5 4"}
 """How far it moves."""
 
 
-def reach_svg(
+def reach_sketch(
     source: RunSource,
     extremes: Sequence[Mapping[str, Array]],
     balance_rad: Sequence[float],
     gauge_rad: tuple[float, float] | None,
-    title: str,
     say: Language,
-) -> Markup:
+) -> Picture:
     """The statue at rest, at its farthest leans (`poses` of one sample), where it balances, on its pedestal, at its wall.
 
     `gauge_rad`: the largest lean and the one at which it balances, as a bar below the floor.
@@ -204,8 +203,7 @@ def reach_svg(
         shapes.append(text(x, 14, say("reach.wall"), colour=INK))
     peak = int(np.argmax(rest[:, 1]))
     moves = [(place(lean[peak])[0, 0], lean[peak, 0] - rest[peak, 0]) for lean in leans]
-    shapes += _top_shift(place(rest[peak])[0], moves, say)
-    return _svg(shapes, title)
+    return Picture(SIDE, SIDE, [*shapes, *_top_shift(place(rest[peak])[0], moves, say)])
 
 
 def _gauge(lean_rad: float, balance_rad: float, say: Language) -> list[str]:
@@ -222,10 +220,6 @@ def _gauge(lean_rad: float, balance_rad: float, say: Language) -> list[str]:
     ]
 
 
-def _svg(shapes: Sequence[str], title: str, height: float = SIDE) -> Markup:
-    return Picture(SIDE, height, shapes).svg(title, "plain")
-
-
 def _top_shift(rest_px: Array, moves: Sequence[tuple[float, float]], say: Language) -> list[str]:
     """How far the outline's highest point moves to each side (to which pixel, by how many m), written above it."""
     x, y = rest_px.tolist()
@@ -237,23 +231,17 @@ def _top_shift(rest_px: Array, moves: Sequence[tuple[float, float]], say: Langua
     return shapes
 
 
-def push_svg(
-    scene: SceneRecord,
-    motion: MotionRecord | None,
-    slips: Sequence[float],
-    title: str,
-    say: Language,
-    borne: Array | None = None,
-) -> Markup:
+def push_sketch(
+    scene: SceneRecord, motion: MotionRecord | None, slips: Sequence[float], borne: Mapping[float, float], say: Language
+) -> Picture:
     """Seen from above: the steady pushes, as shares of the weight, under which the statue keeps still, and the shaking.
 
-    `slips` are pushes from which something slides, `borne` (k, 2) the strongest shakings, by direction, without a fall.
+    `slips` are pushes from which something slides, `borne` the strongest shakings without a fall by azimuth in degrees.
 
     A push leaves the statue at rest while the base holds centroid plus push times centroid height: the base over that height.
     """
-    safe = bearing(scene)
+    safe, stood = bearing(scene), polar(dict(sorted(borne.items())))
     shaking = _shaking(motion, scene.gravity_m_s2)
-    stood = np.zeros((0, 2)) if borne is None else borne
     most = max(*(float(np.abs(points).max(initial=0.0)) for points in (safe, shaking, stood)), *slips)
     reach, middle = SIDE / 2 - MARGIN, SIDE / 2
     scale = reach / most
@@ -272,7 +260,7 @@ def push_svg(
         *(text(at, at + 4, say.percent(share), colour=MUTED) for share, at in diagonals.items()),
         *_compass(say),
     ]
-    return _svg(shapes, title)
+    return Picture(SIDE, SIDE, shapes)
 
 
 def _compass(say: Language) -> list[str]:
@@ -286,7 +274,7 @@ def _compass(say: Language) -> list[str]:
     ]
 
 
-def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Markup:
+def plan_sketch(scene: SceneRecord, plan: Plan, say: Language) -> Picture:
     """Seen from above: the outline at rest, what holds every position of it, the pedestal, the wall; the room by side."""
     stone, wall = scene.pedestal, wall_m(scene)
     corners = [plan.rest_m, plan.moved_m]
@@ -314,7 +302,7 @@ def plan_svg(scene: SceneRecord, plan: Plan, title: str, say: Language) -> Marku
         *(text(x, y, told[side], anchor, SHAKING) for side, (x, y, anchor) in at.items() if side in told),
         *_compass(say),
     ]
-    return _svg(shapes, title)
+    return Picture(SIDE, SIDE, shapes)
 
 
 def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
@@ -327,7 +315,7 @@ def _shaking(motion: MotionRecord | None, gravity_m_s2: float) -> Array:
     return -np.asarray(motion.level_m_s2, dtype=np.float64) / gravity_m_s2
 
 
-def order_svg(levels: Sequence[PushLevel], peak: float | None, title: str, say: Language) -> Markup:
+def order_sketch(levels: Sequence[PushLevel], peak: float | None, say: Language) -> Picture:
     """What gives way first: bars from weak to strong, the shaking's strongest push a line."""
     most = max([level.push for level in levels] + ([peak] if peak is not None else []))
     wide, row = SIDE - 84.0, 74.0
@@ -349,4 +337,4 @@ def order_svg(levels: Sequence[PushLevel], peak: float | None, title: str, say: 
         shapes.append(path([(x, 24), (x, height - 8)], stroke=SHAKING, width=2, dash="6 4"))
         anchor = "end" if x > SIDE / 2 else "start"
         words.append(text(x, 18, say("order.this_shaking", push=say.percent(peak, 3)), anchor, SHAKING))
-    return _svg([*shapes, *words], title, height)
+    return Picture(SIDE, height, [*shapes, *words])

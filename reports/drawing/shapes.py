@@ -80,6 +80,12 @@ def plane(scale: float, origin: ArrayLike, at_px: tuple[float, float]) -> Callab
     return place
 
 
+def polar(reach: Mapping[float, float]) -> Array:
+    """Points (n, 2) so far from the middle by azimuth in degrees, counter-clockwise from the right."""
+    angles, sizes = np.radians([*reach]), np.array([*reach.values()])
+    return np.column_stack([sizes * np.cos(angles), sizes * np.sin(angles)])
+
+
 @dataclass(frozen=True, eq=False)
 class Picture:
     """Shapes, in the order in which they are drawn, in a picture of that size from `top_px` on."""

@@ -28,7 +28,7 @@ from reports.blocks import (
     words,
 )
 from reports.charts.curve_figures import fragility_by_factor
-from reports.drawing.pictures import plan_svg, probable_plan
+from reports.drawing.pictures import plan_sketch, probable_plan
 from reports.messages import Language, probability_text
 from reports.pages.run_page import as_run
 from reports.text.wording import tone_of_answers
@@ -151,7 +151,8 @@ def _clearance(record: AssessRecord, say: Language) -> list[Section]:
     drawn = None
     if told is not None and plan is not None:
         needed = replace(plan, room_m={side: each for side, each in plan.room_m.items() if each})
-        drawn = Drawing(plan_svg(record.scene, needed, say.say(clearance(told)), say), [say("text.plan")], "chart-box")
+        sketch = plan_sketch(record.scene, needed, say).svg(say.say(clearance(told)), "plain")
+        drawn = Drawing(sketch, [say("text.plan")], "chart-box")
     tables = [
         Details(say("text.by", name=name), [_by_direction(name, item, say)], fold=True)
         for name, item in (room.answered.items() if room else ())

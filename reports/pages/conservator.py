@@ -12,16 +12,18 @@ import numpy as np
 
 from harness.model.history import Array, Outcome
 from harness.model.run import number
+from harness.model.run_set import grouped
 from harness.records.assess import CONTRADICTED, MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
 from harness.records.run import STILL_RAD, RunRecord, own_moves, tips_s, unconfirmed
 from harness.records.scene import MotionRecord, SceneRecord
-from harness.records.study import StudyRecord, StudyRow, SupportRecord, Value
+from harness.records.study import StudyRecord, StudyRow, SupportRecord
 from reports.blocks import Block, Drawing, Section, Text, Verdict
 from reports.charts.drawn import still
 from reports.charts.figure import localised
 from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
-from reports.drawing.pictures import Plan, floor_plan, order_svg, plan_svg, push_svg, reach_svg
+from reports.drawing.pictures import Plan, floor_plan, order_sketch, plan_sketch, push_sketch, reach_sketch
+from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language, probability_text, split_unit
 from reports.source import RunSource, run_source, source_of
 from reports.text.giving_way import (
@@ -77,6 +79,11 @@ def told(say: Language, sentences: Mapping[str, object], **values: object) -> li
     return [say(key, **values) for key, holds in sentences.items() if holds]
 
 
+def pictured(heading: str, words: Sequence[str], sketch: Picture) -> Drawing:
+    """A picture, described by what stands over and below it."""
+    return Drawing(sketch.svg(f"{heading} {' '.join(words)}", "plain"), words, heading=heading)
+
+
 def end_key(outcome: Outcome) -> str:
     """The key of an outcome's words: of every fall, and of every failure of a model, the same."""
     kind = family(outcome)
@@ -96,7 +103,6 @@ def push_picture(
     borne: Mapping[float, float] | None = None,
 ) -> Drawing:
     """Which push the statue bears, by direction, seen from above; `borne` are shakings without a fall by azimuth in degrees."""
-    heading = say("push.heading")
     # Of a statue that was turned the line of what it bore, by direction, is drawn.
     keys = [key for key in support.statue_keys if not (borne and key.endswith("azimuth_deg"))]
     varied = say.listed(dict.fromkeys(say.key(key) or say("key.other") for key in keys))
@@ -104,12 +110,8 @@ def push_picture(
     sliding = [(push, what) for push, what in slips(support) if push < 1.0]
     circles = list(dict.fromkeys(push for push, _ in sliding))
     axes = motion.accel_m_s2.keys() if motion is not None else set()
-    points, worst = None, 0.0
-    if borne:
-        azimuths = sorted(borne)
-        turned = np.radians(azimuths)
-        points = np.array([borne[key] for key in azimuths])[:, None] * np.column_stack([np.cos(turned), np.sin(turned)])
-        worst = min(borne, key=lambda key: borne[key])
+    stood = borne or {}
+    worst = min(stood, key=lambda azimuth: stood[azimuth], default=0.0)
     said = {
         "push.seen": True, "push.tipping": True, "push.varied": keys, "push.circle": len(circles) == 1,
         "push.circles": len(circles) > 1, "push.borne": borne, "push.moment_level": axes & {"x", "y"} and "z" in axes,
@@ -117,18 +119,14 @@ def push_picture(
     }  # fmt: skip
     words = told(
         say, said, weakest=weakest_words(scene, say), keys=varied, slides=_slides(sliding, say), side=compass(worst, say),
-        push=say.percent(borne[worst]) if borne else "",
+        push=say.percent(stood.get(worst, 0.0)),
     )  # fmt: skip
-    drawn = push_svg(scene, motion, circles, f"{heading} {' '.join(words)}", say, points)
-    return Drawing(drawn, words, heading=heading)
+    return pictured(say("push.heading"), words, push_sketch(scene, motion, circles, stood, say))
 
 
 def _slides(sliding: Sequence[tuple[float, str]], say: Language) -> str:
     """From which pushes what slides."""
-    by_body: dict[str, list[float]] = {}
-    for push, what in sliding:
-        by_body.setdefault(what, []).append(push)
-    to = f" {say('push.to')} "
+    by_body, to = grouped((what, push) for push, what in sliding), f" {say('push.to')} "
     return say.listed(
         say(f"push.{what}_slides", pushes=to.join(map(say.percent, dict.fromkeys((pushes[0], pushes[-1])))))
         for what, pushes in by_body.items()
@@ -142,9 +140,8 @@ def order_picture(
     push = None if motion is None else motion.push
     heading = say("order.heading_pedestal" if list(support.pedestal) == [True] and push else "order.heading")
     words = order_words(scene, support, push, rising=motion is not None and motion.z_m_s2 is not None, say=say)
-    peak, title = None if push is None else push.peak, f"{heading} {' '.join(words)}"
-    across = motion is not None and "y" in motion.accel_m_s2
-    return Drawing(order_svg(levels(scene, support, say, across=across), peak, title, say), words, heading=heading)
+    peak, across = None if push is None else push.peak, motion is not None and "y" in motion.accel_m_s2
+    return pictured(heading, words, order_sketch(levels(scene, support, say, across=across), peak, say))
 
 
 ASIDE: Final = 1.05
@@ -453,7 +450,7 @@ def _extremes(scene: SceneRecord, moves: Sequence[Mapping[str, Array]]) -> list[
 
 def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) -> Drawing:
     """Its farthest positions against the lean at which it balances, and its wall; of a statue that falls, the latter alone."""
-    scene, title, standing = source.scene, say("reach.heading"), source.standing
+    scene, standing = source.scene, source.standing
     moved = [poses(scene, sampled(source.histories[name])) for name in standing]
     extremes = _extremes(scene, moved)
     (_, lean_rad, balance_rad, side), statue = _worst_lean(source), scene.statue
@@ -480,8 +477,7 @@ def reach_picture(source: RunSource, say: Language, before: Sequence[str] = ()) 
     lean = lean_rad if lean_rad >= STILL_RAD else 0.0
     shown = standing and (lean or not fell)
     gauge = (lean, balance_rad if lean else statue.slenderness_rad(max(sides))) if shown else None
-    drawn = reach_svg(source, extremes, balance, gauge, f"{title} {' '.join(words)}", say)
-    return Drawing(drawn, words, heading=title)
+    return pictured(say("reach.heading"), words, reach_sketch(source, extremes, balance, gauge, say))
 
 
 def _rooms(plan: Plan, say: Language) -> str:
@@ -496,7 +492,7 @@ def _rooms(plan: Plan, say: Language) -> str:
 
 def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Language) -> Drawing:
     """The space that the statue needs while it moves, all round where a model follows it in space, and its pedestal's slip."""
-    heading, rooms, unknown = say("plan.heading"), _rooms(plan, say), _slides_unknown(source)
+    rooms, unknown = _rooms(plan, say), _slides_unknown(source)
     said = {
         "run.of_standing": any(run.outcome.overturned for run in source.answered.values()), "plan.seen": rooms,
         "run.slides_unknown": unknown and not rooms, "plan.still": not (rooms or unknown),
@@ -504,8 +500,7 @@ def plan_picture(source: RunSource, plan: Plan, slip: Sequence[str], say: Langua
     }  # fmt: skip
     words = [*told(say, said if source.standing else {"plan.none": True}, rooms=rooms), *slip]
     shown = replace(plan, room_m={side: room for side, room in plan.room_m.items() if room > VISIBLE_M})
-    drawn = plan_svg(source.scene, shown, f"{heading} {' '.join(words)}", say)
-    return Drawing(drawn, words, heading=heading)
+    return pictured(say("plan.heading"), words, plan_sketch(source.scene, shown, say))
 
 
 # Of a study: how often the statue falls, how strong a shaking it bore, what the pedestal changed.
@@ -530,12 +525,10 @@ STRENGTHS: Final = (
 def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     """Headline, points and pictures of a study."""
     models, cases = conditions(record.rows)
-    runs = {model: [run for _, run in runs_of(cases, model)] for model in models}
-    ends = {
-        model: Counter(OUTSIDE if doubted(run) else end_key(run.outcome) for run in of)
-        for model, of in runs.items()
-        if of
-    }
+    runs = {model: of for model in models if (of := [run for _, run in runs_of(cases, model)])}
+    ends = _most_known({
+        model: Counter(OUTSIDE if doubted(run) else end_key(run.outcome) for run in of) for model, of in runs.items()
+    })  # fmt: skip
     said = [
         *_asked(record, models, cases, say),
         *_by_variant(ends, say),
@@ -555,26 +548,28 @@ def _outside(record: StudyRecord, say: Language) -> list[str]:
     return [say("study.outside", **runs)] if left else []
 
 
-def _variants(ends: Mapping[str, Counter[str]]) -> dict[str, dict[str, Counter[str]]]:
-    """The models' ends by variant."""
-    variants: dict[str, dict[str, Counter[str]]] = {}
-    for model, counts in ends.items():
-        variants.setdefault(model.partition(" (")[2][:-1], {})[model] = counts
-    return variants
+Ends = Mapping[str, Mapping[str, Counter[str]]]
+"""How often the runs of a study end how: by variant, and by model."""
 
 
-def _most_known(ends: Mapping[str, Counter[str]]) -> dict[str, Counter[str]]:
-    """Those models' ends that tell the most situations, of several that leave the fewest open: of fewer a count says less."""
+def _most_known(ends: Mapping[str, Counter[str]]) -> Ends:
+    """Of each variant the models that tell the most situations, of several that leave the fewest open: of fewer a count says
+    less."""
     left = {model: sum(counts[key] for key in MORE) for model, counts in ends.items()}
     rank = {model: (counts.total() - left[model], -left[model]) for model, counts in ends.items()}
-    return {model: ends[model] for model, each in rank.items() if each == max(rank.values())}
+    variants = grouped((model.partition(" (")[2][:-1], model) for model in ends)
+    most = {variant: max(rank[model] for model in models) for variant, models in variants.items()}
+    return {
+        variant: {model: ends[model] for model in models if rank[model] == most[variant]}
+        for variant, models in variants.items()
+    }
 
 
-def _headline(ends: Mapping[str, Counter[str]], say: Language) -> str:
+def _headline(variants: Ends, say: Language) -> str:
     """In how many situations it falls, of each variant by the models that know the most, and how many they leave open."""
-    if not ends:
+    if not variants:
         return say("study.nothing")
-    known = {model: counts for asked in _variants(ends).values() for model, counts in _most_known(asked).items()}
+    known = {model: counts for asked in variants.values() for model, counts in asked.items()}
     total = max(counts.total() for counts in known.values())
     whole = {model: counts for model, counts in known.items() if counts.total() == total}
     falls = {counts["overturns"] for counts in whole.values()}
@@ -588,14 +583,13 @@ def _headline(ends: Mapping[str, Counter[str]], say: Language) -> str:
     return f"{say('study.falls_between', least=min(falls), most=max(falls), total=total, by=by)}{more}"
 
 
-def _by_variant(ends: Mapping[str, Counter[str]], say: Language) -> list[str]:
+def _by_variant(variants: Ends, say: Language) -> list[str]:
     """What the models say of each variant; whatever is neither a fall nor standing is named."""
-    variants = _variants(ends)
     # Of one variant the headline says the rest.
     told = {"overturns", "stands"} | ({OUTSIDE} if len(variants) == 1 else set())
     sentences = []
     for variant, asked in variants.items():
-        kinds = [*_most_known(asked).values()]
+        kinds = [*asked.values()]
         others = dict.fromkeys(key for counts in kinds for key in counts if key not in told)
         each = [
             say(
@@ -636,12 +630,9 @@ def _strength(cases: Sequence[Condition]) -> str | None:
 
 def _borne(cases: Sequence[Condition], key: str) -> float | None:
     """The strongest level of the shaking up to which the statue stood in every situation and every model; None without one."""
-    ends: dict[float, set[str]] = {}
-    for item in cases:
-        answered = {told_family(row.run) for row in item.answers.values() if row.run is not None}
-        ends.setdefault(abs(item.number(key)), set()).update(answered)
-    safe = itertools.takewhile(lambda level: ends[level] == {"stands"}, sorted(level for level in ends if ends[level]))
-    return max(safe, default=None)
+    runs = [(abs(item.number(key)), row.run) for item in cases for row in item.answers.values()]
+    ends = grouped((level, told_family(run)) for level, run in runs if run is not None)
+    return max(itertools.takewhile(lambda level: {*ends[level]} == {"stands"}, sorted(ends)), default=None)
 
 
 def _bore(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[str]:
@@ -738,12 +729,11 @@ def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list
     axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
     if axes is None or record.panels:
         return []
-    answers: dict[tuple[Value, ...], list[StudyRow]] = {}
-    for item in cases:
-        answers.setdefault(tuple(item.varied[key] for key in axes), []).extend(item.answers.values())
+    places = [(tuple(item.varied[key] for key in axes), item.answers.values()) for item in cases]
+    answers = grouped((place, row) for place, rows in places for row in rows)
     worst = {place: max(rows, key=_severity) for place, rows in answers.items()}
-    places = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
-    figures = map_figures([""], places, axes, say)
+    worst_told = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
+    figures = map_figures([""], worst_told, axes, say)
     if not figures:
         return []
     _, figure = figures[0]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from harness.model.run_set import grouped
 from harness.records.bench import HardRow, Measure, StressRecord
 from harness.records.bench import StabilityCell as Found
 from reports.blocks import (
@@ -110,8 +111,6 @@ def _avoided(cell: Found, say: Language) -> str:
 
 def explanations(engine: str, cells: Sequence[Found], say: Language) -> list[str]:
     """Each explanation of an engine's map once, with the difficulty and the settings that it explains."""
-    by_note: dict[tuple[str, str], list[str]] = {}
-    for cell in cells:
-        if cell.engine == engine and cell.remedy:
-            by_note.setdefault((cell.difficulty, _avoided(cell, say)), []).append(cell.setting)
+    avoided = [cell for cell in cells if cell.engine == engine and cell.remedy]
+    by_note = grouped(((cell.difficulty, _avoided(cell, say)), cell.setting) for cell in avoided)
     return [f"{difficulty}, {'; '.join(settings)}: {text}" for (difficulty, text), settings in by_note.items()]

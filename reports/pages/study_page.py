@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from harness.model.run_set import grouped
 from harness.records.run import in_domain
 from harness.records.study import StudyRecord, StudyRow
 from reports.blocks import (
@@ -44,7 +45,6 @@ from reports.text.giving_way import pedestal_effect
 from reports.text.wording import (
     Condition,
     conditions,
-    family,
     runs_of,
     symbol,
     symbols,
@@ -163,14 +163,10 @@ def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str
     """What was varied, and every model's answer; `differs` where models of one variant do not agree (different falls do)."""
     rows: list[list[str | Cell]] = []
     for item in cases:
-        by_variant: dict[str, set[str]] = {}
-        for model in models:
-            run = item.run(model)
-            if run is not None and in_domain(run):
-                kind = family(run.outcome)
-                end = kind if kind == "overturns" else symbol(run.outcome, say)[1]
-                by_variant.setdefault(model.partition(" (")[2], set()).add(end)
-        style = "differs" if any(len(ends) > 1 for ends in by_variant.values()) else ""
+        runs = [(model, run) for model in models if (run := item.run(model)) is not None and in_domain(run)]
+        by_variant = grouped((model.partition(" (")[2], run.outcome) for model, run in runs)
+        ends = [{"" if each.overturned else symbol(each, say)[1] for each in group} for group in by_variant.values()]
+        style = "differs" if any(len(each) > 1 for each in ends) else ""
         varied = [Cell(say.value(item.varied[key], "plain"), style) for key in keys]
         rows.append([*varied, *(_answer(item.answers.get(model), say) for model in models)])
     return Table(say("table.matrix"), [*map(say.label, keys), *map(_head, models)], rows, "matrix")

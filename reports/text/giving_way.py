@@ -5,15 +5,16 @@ what the pedestal does.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from harness.model.finding import Finding, info
 from harness.model.history import Array
+from harness.model.run_set import grouped
 from harness.records.run import falls
 from harness.records.scene import PushRecord, SceneRecord
-from harness.records.study import StudyRecord, SupportRecord
+from harness.records.study import CaseRun, StudyRecord, SupportRecord
 from harness.records.trust import Saved, knows_most
 from harness.statics.standstill import tipping_of_pedestal
 from meshes.footprint import reach_m
@@ -65,34 +66,43 @@ def pedestal_effect(
     told = info("pedestal_saves", model=model, **vars(counted[model]))
     if pace is None:
         return told, []
-    fell: dict[str, dict[float, list[bool]]] = {setting: {} for setting in SETTINGS}
-    reach: dict[str, dict[float, float]] = {setting: {} for setting in SETTINGS}
-    for item, run in sorted(runs_of(cases, model), key=lambda each: each[0].number(pace)):
-        setting, rate = "floor" if item.varied["pedestal"] == "none" else "pedestal", item.number(pace)
-        if (fallen := falls(run)) is not None:
-            fell[setting].setdefault(rate, []).append(fallen)
-        if fallen is False:
-            leans = poses(record.scene, {"theta_rad": run.peak_theta_rad * np.array([-1.0, 1.0])})
-            moved = float(np.abs(top_shift_m(record.scene, leans)).max()) + run.peak_slip_m
-            reach[setting][rate] = max(reach[setting].get(rate, 0.0), moved)
+    runs = sorted(runs_of(cases, model), key=lambda each: each[0].number(pace))
+    fell: list[dict[float, list[bool]]] = []
+    reach: list[dict[float, float]] = []
+    for setting in SETTINGS:
+        here = [
+            (item.number(pace), run)
+            for item, run in runs
+            if (item.varied["pedestal"] == "none") == (setting == "floor")
+        ]
+        fell.append(grouped((rate, fallen) for rate, run in here if (fallen := falls(run)) is not None))
+        moved = grouped((rate, _top_m(record.scene, run)) for rate, run in here if falls(run) is False)
+        reach.append({rate: max(each) for rate, each in moved.items()})
     named = {each: say(f"{words}.{each}") for each in ("frequency", "share_falls", "top", "wall")}
     colours = {say(f"{words}.on_{setting}"): colour for setting, colour in SETTINGS.items()}
     drawn = {
-        "saved": _by_setting(dict(zip(colours, fell.values(), strict=True)), colours, named, say),
-        "moved": _reach_by_setting(dict(zip(colours, reach.values(), strict=True)), colours, named, record),
+        "saved": _by_setting(dict(zip(colours, fell, strict=True)), colours, named, say),
+        "moved": _reach_by_setting(dict(zip(colours, reach, strict=True)), colours, named, record),
     }
     charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
     return told, charts
 
 
+def _top_m(scene: SceneRecord, run: CaseRun) -> float:
+    """How far the top moves at most while its statue leans and its pedestal slides, m."""
+    leans = poses(scene, {"theta_rad": run.peak_theta_rad * np.array([-1.0, 1.0])})
+    return float(np.abs(top_shift_m(scene, leans)).max()) + run.peak_slip_m
+
+
 def _saved(cases: Sequence[Condition], model: str) -> Saved:
     """How often the pedestal prevents and causes an overturning under the same condition, where both runs tell it."""
-    pairs: dict[tuple[Any, ...], dict[bool, bool]] = {}
-    for item, run in runs_of(cases, model):
-        rest = tuple(value for key, value in item.varied.items() if key != "pedestal")
-        if (fallen := falls(run)) is not None:
-            pairs.setdefault(rest, {})[item.varied["pedestal"] == "none"] = fallen
-    return Saved.of([(pair[True], pair[False]) for pair in pairs.values() if len(pair) == 2])
+    known = [(item.varied, fallen) for item, run in runs_of(cases, model) if (fallen := falls(run)) is not None]
+    by_rest = grouped(
+        (tuple(value for key, value in varied.items() if key != "pedestal"), (varied["pedestal"] == "none", fallen))
+        for varied, fallen in known
+    )
+    pairs = [dict(pair) for pair in by_rest.values()]
+    return Saved.of([(pair[True], pair[False]) for pair in pairs if len(pair) == 2])
 
 
 SETTINGS: Final = {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR}

@@ -11,6 +11,7 @@ import numpy as np
 from harness.model.finding import Finding, info
 from harness.model.history import History, Outcome
 from harness.model.run import Run, RunRow, number
+from harness.model.run_set import grouped
 from harness.records.assess import Assessment
 from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
@@ -340,10 +341,9 @@ def tilt_rad(run: Run, history: History | None) -> float:
 
 def plan_lines(record: RunRecord, say: Language = ENGLISH) -> list[str]:
     """What was left out and what was computed, for which engines (those of one reason together), and why; what each saved."""
-    together: dict[tuple[bool, str, str], list[str]] = {}
-    for step in record.plan:
-        place = step.applies, say(f"skip.{step.skip}"), say.say(step.reason)
-        together.setdefault(place, []).append(step.engine)
+    together = grouped(
+        ((step.applies, say(f"skip.{step.skip}"), say.say(step.reason)), step.engine) for step in record.plan
+    )
     lines = [
         say("text.plan_left_out" if applies else "text.plan_computed", what=what, reason=reason,
             engines="" if "*" in engines else f" ({say.listed(engines)})")

@@ -691,8 +691,8 @@ def test_a_lean_to_the_front_is_told_on_both_pages(source: RunSource, monkeypatc
     leaning = replace(source, record=replace(source.record, runs=runs, assessment=None), histories=still)
     degrees = ENGLISH.digits(math.degrees(lean_rad), 2)
     balance = ENGLISH.digits(math.degrees(lean_rad / share), 2)
-    drawn, whole = [], conservator.reach_svg
-    monkeypatch.setattr(conservator, "reach_svg", lambda *given: drawn.append(given) or whole(*given))
+    drawn, whole = [], conservator.reach_sketch
+    monkeypatch.setattr(conservator, "reach_sketch", lambda *given: drawn.append(given) or whole(*given))
     text = spoken(of_run(leaning))
     side = min((1, -1), key=source.scene.statue.slenderness_rad)
     assert drawn[0][2] == [side * source.scene.statue.slenderness_rad(side)], (
