@@ -281,7 +281,7 @@ def bench(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out:
 @command(app, None, "rockcheck stress --out out/stress", "rockcheck stress --parts scenes")
 def stress(saying: OutputOptions, quick: Quick = False, parts: Parts = None, out: Out = None) -> None:
     """Run hard scenes and map each engine's stability."""
-    from harness.questions.bench.stress.stress_run import STRESS
+    from harness.questions.bench.stress_run import STRESS
 
     record = measured(STRESS, saying, quick, parts, out)
     raise typer.Exit(OK if record.holds else FAILED)

@@ -21,9 +21,9 @@ from harness.model.files import FRESH, check_own, checksum, is_sealed
 from harness.model.finding import Say, caution
 from harness.model.scene import Scene
 from harness.questions.assess import assessment
-from harness.questions.assess.by_model import MODEL
 from harness.questions.assess.model_draws import as_coefficients
 from harness.questions.assess.options import read_options
+from harness.questions.assess.probability import MODEL
 from harness.questions.study import estimate
 from harness.questions.study.cases import base_of
 from harness.questions.study.file import load_study

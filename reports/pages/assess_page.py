@@ -6,7 +6,7 @@ from pathlib import Path
 from harness.input.uncertain import assumption
 from harness.model.scene import Uncertain
 from harness.questions.assess.answer import CLEAR, clearance
-from harness.questions.assess.by_model import MODEL
+from harness.questions.assess.probability import MODEL
 from harness.questions.assess.sensitivity import LEAST_DRAWS
 from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, OptionAnswer
 from reports.blocks import (

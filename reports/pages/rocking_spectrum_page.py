@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from harness.comparison.statistics.distributions import wilson
-from harness.questions.assess.engine_draws import LEVEL
+from harness.questions.assess.probability import LEVEL
 from harness.records.study import RockingSpectrumRecord
 from reports.blocks import Block, Chart, Verdict, command_line, facts, grid, repeat, section, table, words
 from reports.blocks import verdict as verdict_of

@@ -17,8 +17,8 @@ import numpy as np
 
 from harness import RunRequest, Scene
 from harness.comparison.statistics.outcomes import FELL, brier, reliability
-from harness.questions.assess.engine_draws import overturns
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
+from harness.questions.assess.probability import overturns
 from harness.records.validation import ReliabilityBin
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of

@@ -22,17 +22,7 @@ from harness.model.finding import Axes, Shown, new_axes
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain, must_be_scene
 from harness.questions.assess.answer import answer_of, findings_of
-from harness.questions.assess.by_model import (
-    MODEL,
-    RUN_DRAWS,
-    SAMPLE_S,
-    SAMPLER,
-    Outside,
-    probability_of,
-    sampled,
-)
 from harness.questions.assess.clearance import of_engine, of_model, of_space, rest_outline_m
-from harness.questions.assess.engine_draws import End, EngineRuns, estimate, strata_of
 from harness.questions.assess.model_draws import (
     SPACE,
     Array,
@@ -47,6 +37,19 @@ from harness.questions.assess.model_draws import (
     varied,
 )
 from harness.questions.assess.options import Option, OptionDraws, compare, in_plane, in_space, options_of
+from harness.questions.assess.probability import (
+    MODEL,
+    RUN_DRAWS,
+    SAMPLE_S,
+    SAMPLER,
+    End,
+    EngineRuns,
+    Outside,
+    estimate,
+    probability_of,
+    sampled,
+    strata_of,
+)
 from harness.questions.assess.sensitivity import (
     FRAGILITY_DRAWS,
     fragility,

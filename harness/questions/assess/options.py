@@ -20,8 +20,6 @@ from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
 from harness.model.errors import InputError, Mistake
 from harness.model.scene import Contact, Scene, Uncertain, scan_azimuth_deg, written
-from harness.questions.assess.by_model import MODEL, NONE_SAMPLED, Outside, probability_of, sampled
-from harness.questions.assess.engine_draws import LEVEL, End
 from harness.questions.assess.model_draws import (
     KINETIC,
     LEAST_SHARE,
@@ -41,6 +39,7 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
+from harness.questions.assess.probability import LEVEL, MODEL, NONE_SAMPLED, End, Outside, probability_of, sampled
 from harness.records.assess import FLOOR, TURNED, OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 from harness.statics.plan import as_one, sliding, turned_block, widened

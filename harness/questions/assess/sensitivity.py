@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import Scene, Uncertain
-from harness.questions.assess.engine_draws import LEVEL
 from harness.questions.assess.model_draws import (
     SPACE,
     Array,
@@ -26,6 +25,7 @@ from harness.questions.assess.model_draws import (
     sweepable,
     varied,
 )
+from harness.questions.assess.probability import LEVEL
 from harness.records.assess import FragilityRecord, Index
 
 FACTORS: Final = tuple(float(value) for value in np.geomspace(0.25, 4.0, 25))

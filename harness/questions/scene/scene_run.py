@@ -22,10 +22,16 @@ from harness.model.finding import Answer, Finding, Say, caution, info, weighed
 from harness.model.history import Outcome, history_file
 from harness.model.run import SKIPS, Run, RunOptions, machine, versions
 from harness.model.scene import Scene, must_be_scene
-from harness.questions.scene import floor_impact
 from harness.questions.scene.answer import answer_of
 from harness.questions.scene.left_out import TakenAway, explained, with_reasons
-from harness.questions.scene.witness import findings_of, finer_rad, finer_runs, witnesses
+from harness.questions.scene.witness import (
+    decided_by,
+    findings_of,
+    findings_of_choice,
+    finer_rad,
+    finer_runs,
+    witnesses,
+)
 from harness.records.assess import Assessment
 from harness.records.base import option_words
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
@@ -68,7 +74,7 @@ class Result:
 
     def answer(self) -> Answer:
         """The headline."""
-        decided = floor_impact.findings_of(self.decided_by)
+        decided = findings_of_choice(self.decided_by)
         return answer_of(self.scene, self.runs, self.scores, self.horizons, self.assessment, decided)
 
     def findings(self) -> list[Finding]:
@@ -99,7 +105,7 @@ class Result:
                 *of_runs,
                 *of_pairs,
                 *findings_of(self.witness),
-                *floor_impact.findings_of(self.decided_by),
+                *findings_of_choice(self.decided_by),
             ]
         )
 
@@ -189,7 +195,7 @@ def run_scene(
         still = standstill(scene, answers_of(known()))
         told = replace(scene, findings=(*scene.findings, *again, *([] if still is None else [still])))
         seconds = time.perf_counter() - start
-        choice = floor_impact.decided_by(scene, known())
+        choice = decided_by(scene, known())
         return Result(told, known(), scores, steps, seconds, horizons, assessment, witness_answers, choice, asked)
 
     try:
@@ -297,7 +303,7 @@ def _give_up(waiting: Iterable[Future[Run]]) -> None:
 
 def _assessed(scene: Scene, on_progress: Callable[[str], None], *, leaves_plane: bool) -> dict[str, Assessment]:
     from analytic import AnalyticInputError
-    from harness.questions.assess.by_model import assess_models
+    from harness.questions.assess.probability import assess_models
 
     on_progress("probability")
     try:

@@ -94,7 +94,7 @@ def check(
     causes = sum(take(scene) is not None for take in TAKEN_AWAY.values()) if stepped else 0
     known = [Range(0.0, CAUSE_SHARE * causes * runs[name].most) for name in stepped]
     if assess:
-        from harness.questions.assess.by_model import assessed_s  # else not loaded
+        from harness.questions.assess.probability import assessed_s  # else not loaded
 
         asked.append(assessed_s(scene))
     written = Range(*moving_s(scene)).times(NUMBER_S * wanted / scene.duration_s)

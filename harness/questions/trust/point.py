@@ -16,9 +16,8 @@ from harness.accuracy.horizon import TOLERANCE_RAD
 from harness.model.history import History, Outcome
 from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
-from harness.questions.assess.by_model import assess_models
-from harness.questions.assess.engine_draws import estimate, overturns
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
+from harness.questions.assess.probability import assess_models, estimate, overturns
 from harness.questions.scene.answer import counted
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
@@ -156,7 +155,7 @@ def _by_model(question: Question) -> Assessment | None:
 
 
 def _paired(question: Question, name: str) -> Assessment:
-    """An engine's probability: the model's on all draws, corrected by its runs of some (`engine_draws.estimate`)."""
+    """An engine's probability: the model's on all draws, corrected by its runs of some (`probability.estimate`)."""
     scene = question.scene
     values = draws_of(scene, uncertain_inputs(scene), question.draws, 0)
 

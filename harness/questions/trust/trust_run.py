@@ -23,7 +23,7 @@ from harness.model.errors import InputError, Mistake, check_known
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.scene import Scene
-from harness.questions.assess.by_model import SAMPLE_S
+from harness.questions.assess.probability import SAMPLE_S
 from harness.questions.assess.sensitivity import crossing
 from harness.questions.scene.workload import check as check_work
 from harness.questions.study.case_selection import filled, refined

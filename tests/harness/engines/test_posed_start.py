@@ -13,7 +13,7 @@ from harness import InputError, Outcome, Run, RunOptions, assess, engines, load_
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.engines.base import Engine
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
-from harness.questions.assess.by_model import assess_models
+from harness.questions.assess.probability import assess_models
 from tests import budgets_spatial as budget
 from tests.analytic.spatial.reference import initial_state, simulate
 from tests.analytic.spatial.reference_body import Case

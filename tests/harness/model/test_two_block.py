@@ -108,7 +108,7 @@ def test_beside_the_pedestal_s_top_nothing_comes_down(scene_file: Path, width_m:
 
 
 def test_draws_past_the_base_are_answered_by_an_engine(scene_file: Path) -> None:
-    from harness.questions.assess.by_model import assess_models
+    from harness.questions.assess.probability import assess_models
 
     found = assess_models(load_scene(scene_file))["analytic"]
     assert found.left_domain > 0.0

@@ -12,9 +12,9 @@ from harness.input.uncertain import ASSUMPTIONS
 from harness.model.finding import Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.model.run import SKIPS
 from harness.questions.assess.options import PAIRS
+from harness.questions.bench.hard_scenes import catalogue
 from harness.questions.bench.standard_scenes import standard_set
-from harness.questions.bench.stress.catalogue import catalogue
-from harness.questions.bench.stress.stress_run import difficulties
+from harness.questions.bench.stress_run import difficulties
 from harness.records.bench import TOGETHER, BenchRecord, StressRecord
 from reports.messages import COUNTED, ENGLISH, FIELD, FORMATS, LANGUAGES, OPTIONAL, agreed, language
 

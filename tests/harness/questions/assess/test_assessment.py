@@ -11,12 +11,10 @@ from analytic import Harmonic, Pulse
 from harness import InputError, Outcome, RunOptions, engines, load_scene
 from harness.comparison.statistics.distributions import wilson
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
-from harness.questions.assess import by_model
 from harness.questions.assess.answer import answer_of, findings_of, probability
 from harness.questions.assess.assessment import assess, difference
-from harness.questions.assess.by_model import Outside, assess_models, probability_of
-from harness.questions.assess.engine_draws import jeffreys
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
+from harness.questions.assess.probability import Outside, assess_models, jeffreys, probability_of
 from harness.questions.assess.sensitivity import fragility_of
 from harness.records.assess import Assessment, AssessRecord, NotAssessed
 from harness.runs.runner import InlinePool
@@ -192,7 +190,7 @@ def test_draws_outside_the_models_domain_are_open_where_no_engine_answers(monkey
 
 def test_an_engine_answers_draws_outside_the_models_domain(monkeypatch: pytest.MonkeyPatch) -> None:
     ready("pymunk")
-    monkeypatch.setattr(by_model, "MOST_SAMPLED", 12)
+    monkeypatch.setattr("harness.questions.assess.probability.MOST_SAMPLED", 12)
     found = assess_models(TALL, draws=500)["analytic"]
     assert (found.sampler, found.sampled) == ("pymunk", 12)
     assert found.undecided == 0.0
@@ -204,7 +202,7 @@ def test_an_engine_answers_draws_outside_the_models_domain(monkeypatch: pytest.M
 def test_a_statue_that_slips_on_its_support_is_no_fall_of_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
     """At a friction of 0.1 a slender block is pushed along the floor; the model, which knows no slip, overturns it."""
     ready("pymunk")
-    monkeypatch.setattr(by_model, "MOST_SAMPLED", 12)
+    monkeypatch.setattr("harness.questions.assess.probability.MOST_SAMPLED", 12)
     slips = scene(rectangle(0.25, 1.0), Pulse("one_sine", 0.8 * GRAVITY_M_S2, 1.0), mu_statue=0.1, duration_s=2.0)
     found = assess_models(slips, draws=500)["analytic"]
     assert found.left_domain > 0.9

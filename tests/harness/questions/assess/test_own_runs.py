@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.questions.assess import engine_draws
+from harness.questions.assess import probability
 from harness.questions.assess.assessment import assess
-from harness.questions.assess.engine_draws import EngineRuns, estimate
 from harness.questions.assess.model_draws import draw, model_draws, uncertain_inputs
+from harness.questions.assess.probability import EngineRuns, estimate
 from harness.runs.execute import Campaign
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
@@ -50,7 +50,7 @@ def test_intervals_cover_what_is_invented_however_wrong_the_model(low: float, hi
 def test_an_assessment_s_runs_are_those_of_the_thousand(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the same draws some of each stratum, run as an assessment does: a change of the engine makes the truth stale."""
     ready(name)
-    monkeypatch.setattr(engine_draws, "PILOT", OF_STRATUM[name])
+    monkeypatch.setattr(probability, "PILOT", OF_STRATUM[name])
     scene, most = scene_of_runs(), 3 * OF_STRATUM[name]
     values = draw(uncertain_inputs(scene), RUNS, SEED)
     with Store(Path(":memory:")) as store:

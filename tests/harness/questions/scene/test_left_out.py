@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness import Outcome, Run, Scene, Verdict, compare, load_scene, run_scene
-from harness.questions.assess import by_model
+from harness.questions.assess import probability
 from harness.questions.assess.model_draws import space_draws
 from harness.questions.scene import left_out
 from harness.questions.scene.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
@@ -34,7 +34,7 @@ def test_where_a_run_leaves_the_plane_the_exact_body_says_how_probable_a_fall_is
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """On a base askew to the shaking the planar model leans by 2°, the body in space past its balance; a few draws show it."""
-    monkeypatch.setattr(by_model, "space_draws", partial(space_draws, most_steps=50_000))
+    monkeypatch.setattr(probability, "space_draws", partial(space_draws, most_steps=50_000))
     motion = {"x": {"kind": "harmonic", "amplitude_g": 0.372, "frequency_hz": 3.41}}
     turned = {"statue.mesh.azimuth_deg": 156.3, "pedestal": "none", "duration_s": 2.8, "motion": motion}
     scene = load_scene(root / "scenes" / "paestum_pedestal.toml", turned)

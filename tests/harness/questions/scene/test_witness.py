@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 
 from harness import Outcome, Run, RunOptions, Scene, engines, load_scene, simulate
-from harness.questions.scene import floor_impact, witness
-from harness.questions.scene.floor_impact import decided_by
-from harness.questions.scene.witness import BUDGET, CHECK_TIMES, TARGET_RAD, findings_of, witnesses
+from harness.questions.scene import witness
+from harness.questions.scene.witness import BUDGET, CHECK_TIMES, TARGET_RAD, decided_by, findings_of, witnesses
 from harness.records.run import Witness
 from tests import doubles
 from tests.doubles import codes
@@ -145,7 +144,7 @@ def test_what_decides_the_outcome_is_told_with_what_each_choice_gives(pedestal: 
         "kinetic": "stands",
         "static": "overturned_right",
     }
-    assert [each.code for each in floor_impact.findings_of(found)] == ["floor_impact_decides"]
+    assert [each.code for each in witness.findings_of_choice(found)] == ["floor_impact_decides"]
     assert found.at_s < found.outcomes["static"].end_s < found.outcomes["kinetic"].end_s
     static = replace(pedestal, contact=replace(pedestal.contact, floor_impact="static"))
     turned = decided_by(static, {"analytic": simulate(static, "analytic")})
@@ -158,7 +157,7 @@ def test_what_decides_the_outcome_is_told_with_what_each_choice_gives(pedestal: 
     cut = replace(pedestal, duration_s=found.outcomes["static"].end_s - 0.1)
     still = decided_by(cut, {"analytic": simulate(cut, "analytic")})
     assert (still.outcomes["static"].outcome, still.decides) == (Outcome.UNDECIDED, False)
-    assert floor_impact.findings_of(still) == []
+    assert witness.findings_of_choice(still) == []
 
 
 def test_an_engine_that_bounds_nothing_has_no_witness(pedestal: Scene) -> None:

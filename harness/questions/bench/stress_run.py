@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final
@@ -12,11 +12,9 @@ from harness import engines
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
+from harness.questions.bench import hard_scenes as hard
+from harness.questions.bench.hard_scenes import ALL, SHAKEN, body, converged, leaning, solution
 from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
-from harness.questions.bench.stress import checks
-from harness.questions.bench.stress import hard_scenes as scenes
-from harness.questions.bench.stress.catalogue import ALL, SHAKEN, body, leaning
-from harness.questions.bench.stress.hard_scenes import converged, explained, solution
 from harness.records.bench import HardRow, Measure, StabilityCell, StressRecord, answer_of, findings_of
 from harness.runs.parts import Measurement, Part
 
@@ -124,16 +122,45 @@ def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, list[
     """Category, evidence and message of one run against the exact solution."""
     if run.outcome.failed or run.history is None or exact.history is None:
         return "diverged", [], run.message or run.outcome.value
-    right = checks.agrees(scene, run, exact)
-    if not math.isfinite(checks.error_rad(run, exact)):
+    right = hard.agrees(scene, run, exact)
+    if not math.isfinite(hard.error_rad(run, exact)):
         return "diverged", [Measure("finite", holds=False)], ""
-    drifts = [*checks.energy(scene, run), *checks.depth(scene, run), *(checks.creep(scene, run) if at_rest else [])]
-    category = "inaccurate" if not checks.all_hold(right) else "stable" if checks.all_hold(drifts) else "drifting"
+    drifts = [*hard.energy(scene, run), *hard.depth(scene, run), *(hard.creep(scene, run) if at_rest else [])]
+    category = "inaccurate" if not hard.all_hold(right) else "stable" if hard.all_hold(drifts) else "drifting"
     return category, [*right, *drifts], ""
 
 
 def _step(step_s: float) -> str:
     return f"1/{round(1.0 / step_s)} s" if step_s > 2e-3 else f"{1e3 * step_s:g} ms"
+
+
+# Why a cell is not stable: the setting of the same row that is, or nothing.
+
+
+def explained(
+    row: Sequence[StabilityCell], converged: Callable[[], StabilityCell | None] = lambda: None
+) -> Iterator[StabilityCell]:
+    """The cells of one row, from coarse to fine; those that are not stable with the setting that is, where one is known.
+
+    A cell is explained by a whole run with a finer step that is stable. Where there is none, `converged` computes the row with
+    far more iterations a step: that cell follows the others, and explains those before it when it is stable.
+    """
+    finer = [next((each for each in row[k + 1 :] if _explains(each)), None) for k in range(len(row))]
+    left = [cell for cell, by in zip(row, finer, strict=True) if cell.category != "stable" and by is None]
+    last = converged() if left else None
+    for cell, by in zip(row, finer, strict=True):
+        if cell.category != "stable" and by is not None:
+            yield cell.avoided("step", by)
+        elif cell.category != "stable" and last is not None and _explains(last):
+            yield cell.avoided("iterations", last)
+        else:
+            yield cell
+    if last is not None:
+        yield last
+
+
+def _explains(cell: StabilityCell) -> bool:
+    return cell.category == "stable" and not cell.short
 
 
 # The record of the whole run.
@@ -156,7 +183,7 @@ def all_parts(quick: bool) -> list[Part]:
     """The parts, the one with the longest tasks first: all are computed side by side."""
     return [
         Part("maps", tasks(quick), partial(compute, quick), died, StabilityCell),
-        Part("scenes", scenes.tasks(quick), scenes.compute, scenes.died, HardRow),
+        Part("scenes", hard.tasks(quick), hard.compute, hard.died, HardRow),
     ]
 
 
