@@ -267,8 +267,7 @@ def horizon_of(
     return horizon(scene, lambda each: engine.simulate(each, settings, options), perturbations=perturbations)
 
 
-def horizon_beside(engine: Engine, scene: Scene, run: Run) -> HorizonRecord:
-    """The horizon of an engine at the step that `run` took, or at its finest where the engine certifies its own error."""
-    if engine.capabilities.certifies:
-        return horizon_of(engine, scene, engine.refinement_levels(scene)[-1])
-    return horizon_of(engine, scene, engine.settings_for_dt(scene, number(run.settings, "dt_s")))
+def settings_of(engine: Engine, scene: Scene, run: Run) -> Settings:
+    """An engine's settings by the step that `run` took, or its finest where it chooses its steps by itself."""
+    dt_s = number(run.settings, "dt_s", 0.0)
+    return engine.settings_for_dt(scene, dt_s) if dt_s else engine.refinement_levels(scene)[-1]

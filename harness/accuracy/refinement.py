@@ -245,7 +245,12 @@ class _Climb:
         best = next((run for run in reversed(runs) if not run.outcome.failed), runs[-1])
         if best.outcome.failed or not self.spreads:
             return best, None
-        return best, best.end_s if self.spreads[-1].whole else _held_until_s(self.spreads, self.agreements)
+        if self.spreads[-1].whole:
+            return best, best.end_s
+        # The last comparison must hold, and the one before it if there is one or one is needed, or the last one clearly. One that
+        # does not hold to the end is luck where runs part: up to an event at which the two before parted its two may agree.
+        both_s = min(item.until_s for item in self.spreads[-2:]) if len(self.spreads) >= self.agreements else 0.0
+        return best, max(self.spreads[-1].clear_s, both_s)
 
     def stated(self, best: Run, until_s: float | None, answer: Spread | None) -> Run:
         """The best run with what the spread to its neighbour says of it, and what a stronger motion changed in it."""
@@ -371,16 +376,8 @@ def _left(spreads: list[Spread], target: Error) -> Error:
     if len(spreads) < 2 or not math.isfinite(spreads[-2].apart.rotation_rad):
         return NONE
     before, fine_dt_s = spreads[-2], spreads[-1].fine_dt_s
-    return before.stated_to_the_end.times((fine_dt_s / before.fine_dt_s) ** MOST_ORDER).or_less(target)
-
-
-def _held_until_s(spreads: list[Spread], agreements: int) -> float:
-    """Until when the last comparison holds, and the one before it if there is one or one is needed, or the last one clearly.
-
-    One that does not hold to the end is luck where runs part: up to an event at which the two before parted its two may agree.
-    """
-    both_s = min(item.until_s for item in spreads[-2:])
-    return max(spreads[-1].clear_s, both_s if len(spreads) >= agreements else 0.0)
+    left = before.stated_to_the_end.times((fine_dt_s / before.fine_dt_s) ** MOST_ORDER)
+    return Error(min(left.rotation_rad, target.rotation_rad), min(left.slip_m, target.slip_m))
 
 
 def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float, small_rad: float | None) -> Finding:

@@ -46,10 +46,6 @@ class Error:
         items = (self, *others)
         return Error(max(item.rotation_rad for item in items), max(item.slip_m for item in items))
 
-    def or_less(self, other: Error) -> Error:
-        """The lesser rotation and the lesser slip."""
-        return Error(min(self.rotation_rad, other.rotation_rad), min(self.slip_m, other.slip_m))
-
 
 NONE: Final = Error(0.0, 0.0)
 

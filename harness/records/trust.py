@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, get_args
@@ -94,11 +95,11 @@ class Saved:
     caused: int
 
     @classmethod
-    def of(cls, falls: Sequence[tuple[bool, bool]]) -> Saved:
-        """Counted from whether the statue falls under each condition: without the pedestal, with it."""
-        bare = sum(without for without, _ in falls)
-        prevented = sum(without and not own for without, own in falls)
-        return cls(len(falls), bare, prevented, sum(own and not without for without, own in falls))
+    def of(cls, falls: Sequence[tuple[bool | None, bool | None]]) -> Saved:
+        """Counted from whether the statue falls under each condition: without the pedestal, with it; None: not known."""
+        known = Counter(each for each in falls if None not in each)
+        prevented, caused = known[True, False], known[False, True]
+        return cls(known.total(), known[True, True] + prevented, prevented, caused)
 
 
 def knows_most(saved: Mapping[str, Saved], preferred: str) -> str | None:

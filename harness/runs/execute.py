@@ -242,7 +242,6 @@ class Campaign:
 
 def _lost(task: Task, crash: Crash) -> Finished:
     """What a task gives whose worker died."""
-    answer = task.lost(task.argument, crash)
-    if answer is None:
+    if task.lost is None:
         return Finished((), task.runs, 0.0, ())
-    return Finished([packed(task.key, answer)], 1, 0.0, ())
+    return Finished([packed(task.key, task.lost(task.argument, crash))], 1, 0.0, ())

@@ -171,24 +171,19 @@ class TaskResult:
     table: Mapping[str, NDArray[Any]] | None = None
 
 
-def no_answer(argument: Any, crash: Crash) -> TaskResult | None:
-    """Of a task whose worker died: nothing is kept."""
-    return None
-
-
 @dataclass(frozen=True)
 class Task:
     """One thing to compute, as it travels to a worker: functions of a module, and an argument.
 
     `key` names the result in the store. Neighbours of one `group` may go to a worker together.
-    `lost` makes the answer of a task whose worker died; None: there is none, and nothing is kept. It counts as so many `runs`.
+    `lost` makes the answer of a task whose worker died; without it nothing is kept. It counts as so many `runs`.
     """
 
     key: str
     work: Callable[[Any], TaskResult]
     argument: Any
     group: str = ""
-    lost: Callable[[Any, Crash], TaskResult | None] = no_answer
+    lost: Callable[[Any, Crash], TaskResult] | None = None
     runs: int = 1
 
 

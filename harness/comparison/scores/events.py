@@ -34,7 +34,9 @@ def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s
         return None
     begin_s = max(until_s, both.start_s)
     peaks = [np.abs(each.peak_rad[each.uplift_s > begin_s]) for each in excursions]
-    rotation = _rotation(both, begin_s)
+    # Equally spaced instants, so that every one stands for the same time.
+    t_s = np.linspace(begin_s, both.end_s, INSTANTS)
+    rotation = [np.abs(np.interp(t_s, both.t_s, theta)) for theta in (both.theta_a_rad, both.theta_b_rad)]
     largest = [
         max(float(theta.max()), float(peak.max(initial=0.0))) for theta, peak in zip(rotation, peaks, strict=True)
     ]
@@ -50,13 +52,6 @@ def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s
         excursions_b=peaks[1].size,
         peaks=_peaks(*peaks),
     )
-
-
-def _rotation(both: Pair, begin_s: float) -> tuple[Array, Array]:
-    """|θ| of each at equally spaced instants, so that every one stands for the same time."""
-    t_s = np.linspace(begin_s, both.end_s, INSTANTS)
-    a, b = (np.abs(np.interp(t_s, both.t_s, theta)) for theta in (both.theta_a_rad, both.theta_b_rad))
-    return a, b
 
 
 def _peaks(a: Array, b: Array) -> PeaksApart | None:

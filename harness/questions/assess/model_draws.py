@@ -171,19 +171,18 @@ def _direct(scene: Scene, key: str) -> bool:
 
 
 def _changed(scene: Scene, key: str, value: float) -> Scene:
-    if key == "contact.floor":
-        factor = value / scene.contact.floor_static if scene.contact.floor_static > 0.0 else 1.0
-        return replace(scene, contact=scene.contact.with_floor(value, scene.contact.floor_kinetic * factor))
-    static, kinetic = scene.contact.floor_static, scene.contact.floor_kinetic
-    if key == STATIC:
-        return replace(scene, contact=scene.contact.with_floor(value, kinetic))
-    if key == KINETIC:
-        return replace(scene, contact=scene.contact.with_floor(static, value))
-    if key == IMPACT:
-        return replace(scene, contact=scene.contact.with_floor(static, kinetic, share=value))
+    contact, base_excitation = scene.contact, scene.base_excitation
+    static, kinetic = contact.floor_static, contact.floor_kinetic
     if key == "contact.statue":
-        return replace(scene, contact=replace(scene.contact, statue=value))
-    base_excitation = scene.base_excitation
+        return replace(scene, contact=replace(contact, statue=value))
+    floors: dict[str, tuple[float, ...]] = {
+        "contact.floor": (value, kinetic * (value / static if static > 0.0 else 1.0)),
+        STATIC: (value, kinetic),
+        KINETIC: (static, value),
+        IMPACT: (static, kinetic, value),
+    }
+    if key in floors:
+        return replace(scene, contact=contact.with_floor(*floors[key]))
     if key == "motion.scale":
         return replace(scene, base_excitation=base_excitation.scaled(value / file_scale(scene)))
     if key == TIME_SCALE:

@@ -199,6 +199,13 @@ def run_of(engine: Engine, scene: Scene) -> Run | None:
         return None
 
 
+def end_of(run: Run | None) -> End:
+    """How a run of a draw ended."""
+    if run is None or run.outcome is Outcome.TOUCHES_WALL:
+        return None if run is None else run.outcome
+    return run.outcome.fell
+
+
 def overturns(drawn: RunRequest) -> TaskResult:
     """What a worker does: whether the statue overturns in its scene, and how far it goes where it stands."""
     begin, scene = time.perf_counter(), drawn.made()
@@ -285,8 +292,7 @@ def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, En
         if steps >= SAMPLE_STEPS:
             break
         run = run_of(engine, scene_of(number))
-        touches = run is not None and run.outcome is Outcome.TOUCHES_WALL
-        fell[number] = Outcome.TOUCHES_WALL if touches else None if run is None else run.outcome.fell
+        fell[number] = end_of(run)
         steps += 0 if run is None else run.steps
     return fell
 

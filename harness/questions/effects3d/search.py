@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Annotated, Any, Final, final
 
 import numpy as np
@@ -86,8 +86,8 @@ def _along(scene: Scene, axes: str) -> Scene:
     )
 
 
-def _adjusted(**shares: Any) -> Callable[[Scene], Scene]:
-    return lambda scene: with_solid(_along(scene, "x"), adjusted(solid_of(scene), **shares))
+def _adjusted(scene: Scene, **shares: Any) -> Scene:
+    return with_solid(_along(scene, "x"), adjusted(solid_of(scene), **shares))
 
 
 def _ragged(scene: Scene) -> Scene:
@@ -95,12 +95,9 @@ def _ragged(scene: Scene) -> Scene:
     return with_solid(_along(scene, "x"), rough)
 
 
-def _rougher(relative: float) -> Callable[[Scene], Scene]:
-    def change(scene: Scene) -> Scene:
-        scene = _along(scene, "x")
-        return replace(scene, contact=replace(scene.contact, statue=(1.0 + relative) * scene.contact.statue))
-
-    return change
+def _rougher(scene: Scene, relative: float) -> Scene:
+    contact = replace(scene.contact, statue=(1.0 + relative) * scene.contact.statue)
+    return replace(_along(scene, "x"), contact=contact)
 
 
 CONDITIONS: Final[Mapping[str, EffectCondition]] = {
@@ -111,16 +108,16 @@ CONDITIONS: Final[Mapping[str, EffectCondition]] = {
     ),
     "with all three components": EffectCondition("components", lambda scene: scene, planar=False),
     "base ragged by 1 mm": EffectCondition("base", _ragged),
-    "base planed flat": EffectCondition("base", _adjusted(flat_base=True)),
-    "products of inertia left out": EffectCondition("inertia", _adjusted(products=False), planar=False),
-    "centroid 3 % higher": EffectCondition("uncertainty", _adjusted(centroid_rel=GEOMETRY_REL)),
-    "centroid 3 % lower": EffectCondition("uncertainty", _adjusted(centroid_rel=-GEOMETRY_REL)),
-    "base 3 % wider": EffectCondition("uncertainty", _adjusted(base_rel=GEOMETRY_REL)),
-    "base 3 % narrower": EffectCondition("uncertainty", _adjusted(base_rel=-GEOMETRY_REL)),
-    "inertia 3 % larger": EffectCondition("uncertainty", _adjusted(inertia_rel=GEOMETRY_REL)),
-    "inertia 3 % smaller": EffectCondition("uncertainty", _adjusted(inertia_rel=-GEOMETRY_REL)),
-    "friction 10 % larger": EffectCondition("uncertainty", _rougher(FRICTION_REL), planar=False),
-    "friction 10 % smaller": EffectCondition("uncertainty", _rougher(-FRICTION_REL), planar=False),
+    "base planed flat": EffectCondition("base", partial(_adjusted, flat_base=True)),
+    "products of inertia left out": EffectCondition("inertia", partial(_adjusted, products=False), planar=False),
+    "centroid 3 % higher": EffectCondition("uncertainty", partial(_adjusted, centroid_rel=GEOMETRY_REL)),
+    "centroid 3 % lower": EffectCondition("uncertainty", partial(_adjusted, centroid_rel=-GEOMETRY_REL)),
+    "base 3 % wider": EffectCondition("uncertainty", partial(_adjusted, base_rel=GEOMETRY_REL)),
+    "base 3 % narrower": EffectCondition("uncertainty", partial(_adjusted, base_rel=-GEOMETRY_REL)),
+    "inertia 3 % larger": EffectCondition("uncertainty", partial(_adjusted, inertia_rel=GEOMETRY_REL)),
+    "inertia 3 % smaller": EffectCondition("uncertainty", partial(_adjusted, inertia_rel=-GEOMETRY_REL)),
+    "friction 10 % larger": EffectCondition("uncertainty", partial(_rougher, relative=FRICTION_REL), planar=False),
+    "friction 10 % smaller": EffectCondition("uncertainty", partial(_rougher, relative=-FRICTION_REL), planar=False),
     "half the time step": EffectCondition("numerical", lambda scene: _along(scene, "x"), planar=False, step_share=0.5),
 }
 """Every condition by name, the baseline first. `planar` says that the planar models see the change."""

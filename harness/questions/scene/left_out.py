@@ -12,13 +12,14 @@ import numpy as np
 
 from analytic.excitation import ZeroExcitation
 from harness import engines
+from harness.accuracy.horizon import settings_of
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.comparison.comparator import CODES, compare
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import EngineFailure
 from harness.model import history
 from harness.model.finding import Finding, caution
-from harness.model.run import Run, RunOptions, number
+from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.records.scores import ROBUST, Evidence, Scores, Verdict
 
@@ -211,9 +212,8 @@ def _seen_s(plane: Run, space: Run, size: float, *, slips: bool) -> float:
 
 def _again(scene: Scene, run: Run, until_s: float) -> Run | None:
     """A scene computed by a run's engine with that run's step; None where it cannot."""
-    engine, dt_s = engines.load(run.engine), number(run.settings, "dt_s", 0.0)
-    settings = engine.settings_for_dt(scene, dt_s) if dt_s else engine.refinement_levels(scene)[-1]
+    engine = engines.load(run.engine)
     try:
-        return engine.simulate(scene, settings, RunOptions(stop=lambda t_s, _: t_s > until_s))
+        return engine.simulate(scene, settings_of(engine, scene, run), RunOptions(stop=lambda t_s, _: t_s > until_s))
     except EngineFailure:
         return None

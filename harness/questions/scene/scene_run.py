@@ -6,14 +6,13 @@ import itertools
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
 from harness import engines
 from harness.accuracy.forecast import run_s, worth_a_process
-from harness.accuracy.horizon import horizon_beside
+from harness.accuracy.horizon import horizon_of, settings_of
 from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
 from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure
@@ -237,20 +236,32 @@ def _run_engines(
     *,
     apart: bool,
 ) -> None:
-    """Run the engines that have no run in `runs` yet; each run stands there as soon as it has finished, whatever comes after."""
-    with _beside(scene, [item for item in loaded if item.name not in runs], target, apart=apart) as waiting:
+    """Run the engines that have no run in `runs` yet; each run stands there as soon as it has finished, whatever comes after.
+
+    Those in three dimensions run in a process of their own each where that is worth it (none unless `apart`); an interrupt ends
+    them.
+    """
+    left = [item for item in loaded if item.name not in runs]
+    here = left if apart and len(left) > 1 else ()
+    beside = [item for item in here if item.capabilities.dimensions == 3 and item.missing() is None]
+    asked = scene, target.accuracy_rad, target.dt_s
+    beside = [item for item in beside if worth_a_process(item.name, run_s(item.name, *asked, timed=False))]
+    with ThreadPoolExecutor(max(len(beside), 1)) as threads:
+        waiting = {item.name: threads.submit(_isolated, item.name, scene, target) for item in beside}
         try:
             for engine in loaded:
                 on_progress(engine.name)
                 if engine.name not in waiting and engine.name not in runs:
                     runs[engine.name] = simulate_with(engine, scene, target)
-            for engine in loaded:
-                if (future := waiting.get(engine.name)) is not None:
-                    if not future.done():
-                        on_progress(f"{engine.name}, {engine.awaited()}")
-                    runs[engine.name] = future.result()
-        finally:
+            for engine in beside:
+                future = waiting[engine.name]
+                if not future.done():
+                    on_progress(f"{engine.name}, {engine.awaited()}")
+                runs[engine.name] = future.result()
+        except BaseException:
             runs |= {name: future.result() for name, future in waiting.items() if future.done()}
+            _give_up(waiting.values())
+            raise
 
 
 def answers_of(runs: Mapping[str, Run]) -> list[Run]:
@@ -264,26 +275,6 @@ def _moves(runs: Mapping[str, Run]) -> Iterator[Finding]:
     for said in (caution("statue_slides"), caution("statue_hops"), caution("statue_turns")):
         if (models := own.get(said.code)) is not None:
             yield replace(said, values={"models": [*models], "most": [min(models.values()), max(models.values())]})
-
-
-@contextmanager
-def _beside(
-    scene: Scene, left: Sequence[Engine], target: RunTarget, *, apart: bool
-) -> Iterator[dict[str, Future[Run]]]:
-    """The runs in three dimensions, each in a process of its own where that is worth it (none unless `apart`), by engine; an
-    interrupt ends them.
-    """
-    here = left if apart and len(left) > 1 else ()
-    beside = [item for item in here if item.capabilities.dimensions == 3 and item.missing() is None]
-    asked = scene, target.accuracy_rad, target.dt_s
-    beside = [item for item in beside if worth_a_process(item.name, run_s(item.name, *asked, timed=False))]
-    with ThreadPoolExecutor(max(len(beside), 1)) as threads:
-        waiting = {item.name: threads.submit(_isolated, item.name, scene, target) for item in beside}
-        try:
-            yield waiting
-        except BaseException:
-            _give_up(waiting.values())
-            raise
 
 
 def _isolated(name: str, scene: Scene, target: RunTarget) -> Run:
@@ -345,7 +336,7 @@ def _horizons(
         if every:
             on_progress(f"{run.engine}, horizon")
         try:
-            horizons[run.engine] = horizon_beside(engine, scene, run)
+            horizons[run.engine] = horizon_of(engine, scene, settings_of(engine, scene, run))
         except EngineFailure as error:
             on_progress(f"{run.engine} has no horizon: {error}")
     return horizons

@@ -126,14 +126,10 @@ class Plane:
         """The scene under what shakes it on this map: nothing in it is of a motion whose place another takes."""
         return self.scene if self.motion == "scene" else self.at(self.points[0])
 
-    @property
-    def weaker_side(self) -> int:
-        """The side to which the statue falls sooner: +1 right, −1 left."""
-        return 1 if self.scene.statue.corner_right_m <= self.scene.statue.corner_left_m else -1
-
     def without_dimension(self, point: Point) -> tuple[float, float | None]:
         """Strength over g tan α of the weaker side, frequency over p of that side, 1/s."""
-        statue, side = self.scene.statue, self.weaker_side
+        statue = self.scene.statue
+        side = 1 if statue.corner_right_m <= statue.corner_left_m else -1
         corner, height = statue.corner_m(side), statue.centroid_height_m
         arm, gravity = math.hypot(corner, height), self.scene.gravity_m_s2
         p = math.sqrt(statue.mass_kg * gravity * arm / self.scene.pivot_inertia_kg_m2[side])

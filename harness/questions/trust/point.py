@@ -17,7 +17,7 @@ from harness.model.history import History, Outcome
 from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
 from harness.model.scene import Scene
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.probability import assess_models, estimate, overturns
+from harness.questions.assess.probability import End, assess_models, end_of, estimate, run_of
 from harness.questions.scene.answer import counted
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.assess import Assessment
@@ -25,7 +25,7 @@ from harness.records.base import Plain, plain
 from harness.records.run import STILL_RAD, HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
 from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import CONTOURS, Rotation, TrustClass
-from harness.runs.task import RunRequest, TaskResult
+from harness.runs.task import TaskResult
 
 MODEL: Final = "analytic"
 DRAWS: Final = {False: 500, True: 200}
@@ -54,20 +54,13 @@ class Said:
     why: Sequence[str]
     outcomes: dict[str, str]
     still: bool
-    flips: bool
-    left_domain: str
+    alike: tuple[object, ...]
+    """What the model alone says, as far as a class may follow from it: engines are asked where it changes."""
     peak_rad: float | None
     balance_share: float | None
     peaks_apart_rad: float | None
     agree_until_s: float | None
     horizon_s: float | None
-    whole: bool
-    """Whether the model's own horizon reaches the end."""
-
-    @property
-    def alike(self) -> tuple[object, ...]:
-        """What the model alone says, as far as a class may follow from it: engines are asked where it changes."""
-        return self.outcomes.get(MODEL), self.still, self.flips, self.left_domain, self.whole
 
     @property
     def found(self) -> tuple[object, ...]:
@@ -157,11 +150,10 @@ def _by_model(question: Question) -> Assessment | None:
 def _paired(question: Question, name: str) -> Assessment:
     """An engine's probability: the model's on all draws, corrected by its runs of some (`probability.estimate`)."""
     scene = question.scene
-    values = draws_of(scene, uncertain_inputs(scene), question.draws, 0)
+    values, engine = draws_of(scene, uncertain_inputs(scene), question.draws, 0), engines.load(name)
 
-    def fell(numbers: Sequence[int]) -> list[bool | None]:
-        drawn = [RunRequest(varied(scene, row(values, number)), name) for number in numbers]
-        return [overturns(each).record["overturned"] for each in drawn]  # type: ignore[misc]
+    def fell(numbers: Sequence[int]) -> list[End]:
+        return [end_of(run_of(engine, varied(scene, row(values, number)))) for number in numbers]
 
     return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=BATCH)
 
@@ -179,23 +171,22 @@ def said(result: Result, path: Rotation | None = None) -> Said:
     path = path or (None if model.history is None else path_of(model.history))
     until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
     finite = [time_s for time_s in until if math.isfinite(time_s)]
+    outcomes = {
+        name: "left_domain" if outside_domain(run) else outcome_family(run.outcome) for name, run in result.runs.items()
+    }
+    still, whole = _still(model), horizon is not None and horizon.intrinsic_s >= model.end_s
     return Said(
         kind=kind,
         answer=answer.code,
         why=why,
-        outcomes={
-            name: "left_domain" if outside_domain(run) else outcome_family(run.outcome)
-            for name, run in result.runs.items()
-        },
-        still=_still(model),
-        flips=CHANGED in codes,
-        left_domain=_left(model),
+        outcomes=outcomes,
+        still=still,
+        alike=(outcomes.get(MODEL), still, CHANGED in codes, _left(model), whole),
         peak_rad=abs(model.peak_theta_rad) if alone else None,
         balance_share=_balance_share(result.scene, model, path) if alone and path is not None else None,
         peaks_apart_rad=None if fell or len(known) < 2 else max(peaks) - min(peaks),
         agree_until_s=min(finite, default=model.end_s if answer.code == "agree" else None),
         horizon_s=None if horizon is None else horizon.intrinsic_s,
-        whole=horizon is not None and horizon.intrinsic_s >= model.end_s,
     )
 
 

@@ -22,6 +22,7 @@ from harness.input.scene_file import load_scene
 from harness.model.errors import InputError, Mistake, check_known
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run import MOST_TIMES, machine, versions
+from harness.model.run_set import grouped
 from harness.model.scene import Scene
 from harness.questions.assess.probability import SAMPLE_S
 from harness.questions.assess.sensitivity import crossing
@@ -448,14 +449,9 @@ def _height(name: str, cell: TrustCell, duration_s: float) -> float | None:
 
 def doubtful(chances: Mapping[Point, Interval]) -> list[Point]:
     """Of each frequency the point at which a fall is nearest as probable as not, where any is between `DOUBTFUL`."""
-    nearest: dict[int, Point] = {}
-    for point, chance in chances.items():
-        best = nearest.get(point[0])
-        if DOUBTFUL[0] < chance.value < DOUBTFUL[1] and (
-            best is None or abs(chance.value - 0.5) < abs(chances[best].value - 0.5)
-        ):
-            nearest[point[0]] = point
-    return list(nearest.values())
+    open_ = (point for point, chance in chances.items() if DOUBTFUL[0] < chance.value < DOUBTFUL[1])
+    along = grouped((point[0], point) for point in open_)
+    return [min(points, key=lambda point: abs(chances[point].value - 0.5)) for points in along.values()]
 
 
 def confirmed_up_to_g(found: Map, words: Mapping[Point, tuple[TrustClass, Basis, Said]]) -> float | None:
@@ -477,12 +473,10 @@ def saved_by(names: Sequence[str], maps: Sequence[TrustMap]) -> dict[str, Saved]
     if len(maps) < 2:
         return {}
     own, floor = (each.cells for each in maps)
-    saved = {}
-    for name in names:
-        pairs = [(falls(without, name), falls(cell, name)) for cell, without in zip(own, floor, strict=True)]
-        known = [(a, b) for a, b in pairs if a is not None and b is not None]
-        saved[name] = Saved.of(known)
-    return saved
+    return {
+        name: Saved.of([(falls(without, name), falls(cell, name)) for cell, without in zip(own, floor, strict=True)])
+        for name in names
+    }
 
 
 def falls(cell: TrustCell, name: str) -> bool | None:
@@ -535,30 +529,27 @@ def findings_of(
 
 
 def write_cells(maps: Sequence[TrustMap], path: Path) -> None:
-    """A row for each point of each map."""
-    cells = [cell for each in maps for cell in each.cells]
-    models = [*dict.fromkeys(name for cell in cells for name in cell["outcomes"])]
-    plain = [name for name in cells[0] if name not in ("outcomes", "probability", "paths")]
-    chances = [*dict.fromkeys(name for cell in cells for name in cell["probability"])]
-    ends = [f"probability_{name}{end}" for name in chances for end in ("", "_low", "_high")]
+    """A row for each point of each map; what is of one model has its columns after all others, outcomes first."""
+    rows = [_row(each.stands_on, cell) for each in maps for cell in each.cells]
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = sorted(names, key=lambda name: (name.startswith("probability_"), name.startswith("outcome_")))
     with path.open("w", newline="", encoding="utf-8") as stream:
-        rows = csv.writer(stream)
-        rows.writerow(["stands_on", *plain, *(f"outcome_{name}" for name in models), *ends])
-        for each in maps:
-            for cell in each.cells:
-                values = {
-                    **cell,
-                    "why": " ".join(cell["why"]),
-                    "set": " ".join(f"--set '{item}'" for item in cell["set"]),
-                }
-                bounds = [
-                    bound
-                    for name in chances
-                    for known in [cell["probability"].get(name)]
-                    for bound in ([None] * 3 if known is None else [known.value, known.low, known.high])
-                ]
-                told = [cell["outcomes"].get(name, "") for name in models]
-                rows.writerow([each.stands_on, *(values[name] for name in plain), *told, *bounds])
+        table = csv.DictWriter(stream, columns)
+        table.writeheader()
+        table.writerows(rows)
+
+
+def _row(stands_on: str, cell: TrustCell) -> dict[str, object]:
+    """A point by its columns: lists as words, and a column for each model's outcome and probability with its interval."""
+    plain = {name: value for name, value in cell.items() if name not in ("outcomes", "probability", "paths")}
+    plain |= {"why": " ".join(cell["why"]), "set": " ".join(f"--set '{item}'" for item in cell["set"])}
+    outcomes = {f"outcome_{name}": end for name, end in cell["outcomes"].items()}
+    chances = {
+        f"probability_{name}{end}": value
+        for name, chance in cell["probability"].items()
+        for end, value in (("", chance.value), ("_low", chance.low), ("_high", chance.high))
+    }
+    return {"stands_on": stands_on, **plain, **outcomes, **chances}
 
 
 def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chances: Mapping[str, Interval]) -> TrustCell:
@@ -590,4 +581,5 @@ def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chance
 def _died(names: tuple[str, ...]) -> Said:
     """A point whose process died."""
     ends = dict.fromkeys(names, "crashed")
-    return Said("no_answer", "no_answer", ["crashed"], ends, False, False, "", None, None, None, None, None, False)
+    alike = ends.get(MODEL), False, False, "", False
+    return Said("no_answer", "no_answer", ["crashed"], ends, False, alike, None, None, None, None, None)

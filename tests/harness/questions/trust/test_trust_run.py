@@ -173,7 +173,7 @@ def test_a_shaking_across_the_plane_is_asked_of_space_even_on_a_coarse_map() -> 
 
 
 def word(kind: str, *, still: bool = False, apart_rad: float = 0.0) -> Said:
-    return Said(kind, "agree", [], {"analytic": "stands"}, still, False, "", 0.1, 0.5, apart_rad, 1.0, 1.0, True)  # type: ignore[arg-type]
+    return Said(kind, "agree", [], {"analytic": "stands"}, still, ("stands", still), 0.1, 0.5, apart_rad, 1.0, 1.0)  # type: ignore[arg-type]
 
 
 def found(kinds: dict[int, str], rest: int = 0) -> Map:
