@@ -111,33 +111,26 @@ def _cells(
 
     A cell is cut when its corners are all known and disagree; an unknown corner waits for the next call.
     """
-    for fixed, plane in slices(places, axes).items():
-        cells = [(cell, COARSE) for cell in _coarse(plane, axes, strides)]
+    # The places of each map agree on every other axis: their indices on the map's own axes are set to 0.
+    for fixed, plane in grouped((_placed(place, axes, (0, 0)), place) for place in places).items():
+        ends = [max(place[axis] for place in plane) for axis in axes]
+        grid = [[*range(0, end, stride), end] for end, stride in zip(ends, strides, strict=True)]
+        cells = [(cell, COARSE) for cell in _between(grid)]
         while cells:
             cell, reason = cells.pop()
             corners = [_placed(fixed, axes, pair) for pair in itertools.product(*cell)]
             yield cell, corners, reason
             said = {known.get(corner) for corner in corners}
             if len(said) > 1 and None not in said:
-                cells += [(part, REFINED) for part in _parts(cell)]
+                halves = [sorted({low, (low + high) // 2, high}) for low, high in cell]
+                # A cell without places between its corners is its own only part.
+                cells += [(part, REFINED) for part in _between(halves) if part != cell]
 
 
-def _coarse(plane: Sequence[Place], axes: tuple[int, int], strides: tuple[int, int]) -> list[Cell]:
-    """The cells of a map's first grid."""
-    lines = [_line(max(place[axis] for place in plane), stride) for axis, stride in zip(axes, strides, strict=True)]
-    return list(itertools.product(itertools.pairwise(lines[0]), itertools.pairwise(lines[1])))
-
-
-def _parts(cell: Cell) -> list[Cell]:
-    """The halves along each axis; none of a cell without places between its corners."""
-    halves = [sorted({low, (low + high) // 2, high}) for low, high in cell]
-    parts = list(itertools.product(itertools.pairwise(halves[0]), itertools.pairwise(halves[1])))
-    return parts if len(parts) > 1 else []
-
-
-def slices(places: Iterable[Place], axes: tuple[int, int]) -> dict[Place, list[Place]]:
-    """The places of each map: those that agree on every other axis (their indices on the map's axes set to 0)."""
-    return grouped((_placed(place, axes, (0, 0)), place) for place in places)
+def _between(lines: Iterable[Iterable[int]]) -> list[Cell]:
+    """The cells between the lines along both axes."""
+    first, second = map(itertools.pairwise, lines)
+    return list(itertools.product(first, second))
 
 
 def _placed(place: Place, axes: tuple[int, int], indices: Sequence[int]) -> Place:
@@ -145,10 +138,6 @@ def _placed(place: Place, axes: tuple[int, int], indices: Sequence[int]) -> Plac
     for axis, index in zip(axes, indices, strict=True):
         changed[axis] = index
     return tuple(changed)
-
-
-def _line(last: int, stride: int) -> list[int]:
-    return sorted({*range(0, last + 1, stride), last})
 
 
 def recheck(study: StudyFile, rows: Sequence[StudyRow]) -> RecheckRecord | None:

@@ -54,16 +54,13 @@ class ClaimRun:
     """One run of the table: what was set and what came out."""
 
     varied: Mapping[str, Value]
+    run: CaseRun
     peak_rad: float
     error_rad: float
     overturned: bool
     stands: bool
     no_return_s: float
     no_return_error_s: float
-    slip_m: float
-    end_s: float
-    last_impact_s: float | None
-    impact_loss_j: float | None
 
     @property
     def frequency_hz(self) -> float:
@@ -86,20 +83,17 @@ def answer(run: CaseRun, varied: Mapping[str, Value]) -> ClaimRun:
     The error of a fall is a shift in time, largest in rotation at its end, where it is fastest: its bound over the mean rate.
     """
     no_return_s = run.no_return_time_s if run.outcome.overturned else None
-    error_rad, end_s = run.numerical_uncertainty_rad or 0.0, run.end_s or 0.0
-    fall_s = 0.0 if no_return_s is None else (run.overturn_time_s or end_s) - no_return_s
+    error_rad = run.numerical_uncertainty_rad or 0.0
+    fall_s = 0.0 if no_return_s is None else (run.overturn_time_s or run.end_s or 0.0) - no_return_s
     return ClaimRun(
         varied={key: value for key, value in varied.items() if key != "variant"},
+        run=run,
         peak_rad=abs(run.peak_theta_rad),
         error_rad=error_rad,
         overturned=run.outcome.overturned,
         stands=run.outcome is Outcome.STANDS,
         no_return_s=math.inf if no_return_s is None else no_return_s,
         no_return_error_s=error_rad * fall_s / abs(run.peak_theta_rad) if fall_s else 0.0,
-        slip_m=run.peak_slip_m,
-        end_s=end_s,
-        last_impact_s=run.last_impact_s,
-        impact_loss_j=run.impact_loss_j,
     )
 
 
@@ -178,7 +172,7 @@ def falls_with_frequency(answers: Sequence[ClaimRun]) -> Counted:
 
 
 def small_displacement(answers: Sequence[ClaimRun]) -> Counted:
-    slips = [item.slip_m for item in answers if item.pedestal]
+    slips = [item.run.peak_slip_m for item in answers if item.pedestal]
     if not slips:
         return _untested("pedestal")
     held = sum(slip <= FEW_CENTIMETRES_M for slip in slips)
@@ -200,20 +194,20 @@ def only_rocks(answers: Sequence[ClaimRun]) -> Counted:
     high = [item for item in answers if item.pedestal and item.frequency_hz > LOW_HZ]
     if not high:
         return _untested("pedestal")
-    held = sum(item.slip_m < AT_REST_M and item.peak_rad >= ROCKS_RAD for item in high)
-    slides = sum(item.slip_m >= AT_REST_M for item in high)
-    largest_m = max(item.slip_m for item in high)
+    held = sum(item.run.peak_slip_m < AT_REST_M and item.peak_rad >= ROCKS_RAD for item in high)
+    slides = sum(item.run.peak_slip_m >= AT_REST_M for item in high)
+    largest_m = max(item.run.peak_slip_m for item in high)
     text = info("evidence_vii", slides=slides, cases=len(high), limit_hz=LOW_HZ, largest_m=largest_m)
     return held, len(high), text
 
 
 def goes_on_rocking(answers: Sequence[ClaimRun]) -> Counted:
     """(viii): above 3 Hz the statue still strikes its support at the end of the run, and stands."""
-    high = [item for item in answers if item.frequency_hz > LOW_HZ and item.last_impact_s is not None]
+    high = [item for item in answers if item.frequency_hz > LOW_HZ and item.run.last_impact_s is not None]
     if not high:
         return _untested("histories")
-    held = sum(item.stands and (item.last_impact_s or 0.0) >= LASTING * item.end_s for item in high)
-    fallen, end_s = sum(item.overturned for item in high), max(item.end_s for item in high)
+    held = sum(item.stands and (item.run.last_impact_s or 0.0) >= LASTING * (item.run.end_s or 0.0) for item in high)
+    fallen, end_s = sum(item.overturned for item in high), max(item.run.end_s or 0.0 for item in high)
     text = info("evidence_viii", limit_hz=LOW_HZ, held=held, cases=len(high), end_s=end_s, falls=fallen)
     return held, len(high), text
 
@@ -252,7 +246,7 @@ def reaches_the_wall(answers: Sequence[ClaimRun]) -> InParts:
     """
     kinds: dict[str, list[ClaimRun]] = {name: [] for name in KINDS}
     for item in answers:
-        rocks, slides = item.overturned or item.peak_rad >= ROCKS_RAD, item.slip_m >= AT_REST_M
+        rocks, slides = item.overturned or item.peak_rad >= ROCKS_RAD, item.run.peak_slip_m >= AT_REST_M
         if rocks or slides:
             kinds[KINDS[2 if rocks and slides else 0 if rocks else 1]].append(item)
     counts = {
@@ -268,9 +262,9 @@ def loses_less(answers: Sequence[ClaimRun]) -> Counted:
     """(xii): at the next higher ratio the mean loss of an impact is not greater. A model's own impact knows no ratio."""
     held = steps = 0
     means: dict[float, list[float]] = {}
-    known = [item for item in answers if item.impact_loss_j is not None and RATIO in item.varied]
+    known = [item for item in answers if item.run.impact_loss_j is not None and RATIO in item.varied]
     for ordered in _series(known, RATIO):
-        losses = [float(item.impact_loss_j or 0.0) for item in ordered]
+        losses = [float(item.run.impact_loss_j or 0.0) for item in ordered]
         # The same runs under each ratio: it is not used.
         if len(set(losses)) > 1:
             steps += len(losses) - 1

@@ -24,6 +24,13 @@ COMPARED: Final[Mapping[str, tuple[str, ...]]] = {
 """The keys over whose numbers a set of claims compares runs: without them none can be judged."""
 
 
+def contradict(*rules: tuple[bool, str, str, str]) -> None:
+    """Raise `Contradiction` for the first rule that is broken: whether it is, the key, what was wanted, what came."""
+    for broken, *told in rules:
+        if broken:
+            raise Contradiction(*told)
+
+
 class Vary(UserTable):
     """`[[vary]]`: one key of the scene and its values: a list, or a grid from … to … of `count` values.
 
@@ -41,15 +48,15 @@ class Vary(UserTable):
 
     @model_validator(mode="after")
     def _one_way(self) -> Vary:
-        grid = (self.start, self.stop, self.count)
-        if (self.values is None) == all(item is None for item in grid):
-            raise Contradiction("values", "either values, or start, stop and count", "both or neither")
-        if self.values is None and any(item is None for item in grid):
-            raise Contradiction("count", "start, stop and count together", "not all three")
-        if self.values is not None and "spacing" in self.model_fields_set:
-            raise Contradiction("spacing", "a grid beside it", "values")
-        if self.spacing == "log" and (self.start is None or self.stop is None or min(self.start, self.stop) <= 0.0):
-            raise Contradiction("spacing", "positive start and stop for a logarithmic grid", "no such grid")
+        lacking = [item is None for item in (self.start, self.stop, self.count)]
+        listed = self.values is not None
+        logarithmic, ends = self.spacing == "log", min(self.start or 0.0, self.stop or 0.0)
+        contradict(
+            (listed != all(lacking), "values", "either values, or start, stop and count", "both or neither"),
+            (not listed and any(lacking), "count", "start, stop and count together", "not all three"),
+            (listed and "spacing" in self.model_fields_set, "spacing", "a grid beside it", "values"),
+            (logarithmic and ends <= 0.0, "spacing", "positive start and stop for a logarithmic grid", "no such grid"),
+        )
         return self
 
     @property
@@ -74,12 +81,13 @@ class Scatter(UserTable):
     @model_validator(mode="after")
     def _bounds(self) -> Scatter:
         bounds = [each for each in (self.low, self.high) if each is not None]
-        if len(bounds) != (2 if self.relative is None else 0):
-            raise Contradiction("relative", "either relative, or low and high", "both or neither")
-        if bounds and self.distribution != "uniform":
-            raise Contradiction("distribution", "'uniform' with low and high", repr(self.distribution))
-        if self.low is not None and self.high is not None and self.low >= self.high:
-            raise Contradiction("low", f"less than high = {self.high:g}", f"{self.low:g}")
+        low, high = bounds if len(bounds) == 2 else (0.0, 1.0)
+        relative, uniform = self.relative is not None, self.distribution == "uniform"
+        contradict(
+            (len(bounds) != (0 if relative else 2), "relative", "either relative, or low and high", "both or neither"),
+            (bool(bounds) and not uniform, "distribution", "'uniform' with low and high", repr(self.distribution)),
+            (low >= high, "low", f"less than high = {high:g}", f"{low:g}"),
+        )
         return self
 
 
@@ -107,8 +115,8 @@ class Ask(UserTable):
     @model_validator(mode="after")
     def _used(self) -> Ask:
         for key, asking in (("margin", ("boundary",)), ("audit", ("boundary", "adaptive"))):
-            if key in self.model_fields_set and self.cases not in asking:
-                raise Contradiction(key, f"cases = {' or '.join(asking)} beside it", repr(self.cases))
+            unused = key in self.model_fields_set and self.cases not in asking
+            contradict((unused, key, f"cases = {' or '.join(asking)} beside it", repr(self.cases)))
         return self
 
 
@@ -153,27 +161,31 @@ class StudyFile(UserTable):
     @model_validator(mode="after")
     def _whole(self) -> StudyFile:
         names = [variant.name for variant in self.variant]
-        if len(set(names)) != len(names):
-            raise Contradiction("variant", "variants of different names", ", ".join(names))
         keys = [item.key for item in self.vary] + [item.key for item in self.scatter]
-        if len(set(keys)) != len(keys):
-            raise Contradiction("vary", "each key varied once", ", ".join(keys))
-        if (self.samples > 1) != bool(self.scatter):
-            raise Contradiction(
-                "samples", "more than one sample exactly where something is scattered", str(self.samples)
-            )
         grids = [item.key for item in self.vary if item.values is None]
-        if self.ask.cases == "adaptive" and (len(grids) != 2 or self.samples > 1):
-            raise Contradiction(
-                "ask.cases", "exactly two grids and no samples for an adaptive map", f"{len(grids)} grids"
-            )
-        by_numbers = {item.key for item in self.scatter}
-        for item in self.vary:
-            if item.values is None or all(type(value) in (int, float) for value in item.values):
-                by_numbers.add(item.key)
-        absent = [key for key in COMPARED.get(self.claims or "", ()) if key not in by_numbers]
-        if absent:
-            raise Contradiction("claims", f"{absent[0]} varied over numbers, which these claims compare", "not so here")
+        by_words = {
+            item.key for item in self.vary if not all(type(value) in (int, float) for value in item.values or ())
+        }
+        compared = COMPARED.get(self.claims or "", ())
+        absent = next((key for key in compared if key not in keys or key in by_words), "")
+        sampled, scattered = self.samples > 1, bool(self.scatter)
+        contradict(
+            (len(set(names)) != len(names), "variant", "variants of different names", ", ".join(names)),
+            (len(set(keys)) != len(keys), "vary", "each key varied once", ", ".join(keys)),
+            (
+                sampled != scattered,
+                "samples",
+                "more than one sample exactly where something is scattered",
+                str(self.samples),
+            ),
+            (
+                self.ask.cases == "adaptive" and (len(grids) != 2 or sampled),
+                "ask.cases",
+                "exactly two grids and no samples for an adaptive map",
+                f"{len(grids)} grids",
+            ),
+            (absent != "", "claims", f"{absent} varied over numbers, which these claims compare", "not so here"),
+        )
         return self
 
 

@@ -20,7 +20,7 @@ from pydantic import Field, model_validator
 from analytic import Block, Form, Outcome, ensemble
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
-from harness.input.mistakes import Contradiction, UserTable
+from harness.input.mistakes import UserTable
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.spec import RecordSpec, Source
@@ -29,6 +29,7 @@ from harness.model.errors import InputError, Mistake, refuse
 from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
+from harness.questions.study.file import contradict
 from harness.records.result_folder import write_whole
 from harness.records.study import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
 from harness.runs.execute import OnProgress
@@ -67,8 +68,7 @@ class ValueRange(UserTable):
 
     @model_validator(mode="after")
     def _rises(self) -> ValueRange:
-        if self.stop <= self.start:
-            raise Contradiction("stop", f"more than start = {self.start:g}", f"{self.stop:g}")
+        contradict((self.stop <= self.start, "stop", f"more than start = {self.start:g}", f"{self.stop:g}"))
         return self
 
     def values(self) -> Array:
@@ -96,10 +96,11 @@ class SpectrumFile(UserTable):
 
     @model_validator(mode="after")
     def _whole(self) -> SpectrumFile:
-        if (self.draws > 1) != (self.strength_cov > 0.0):
-            raise Contradiction("draws", "draws and strength_cov together", f"{self.draws}, {self.strength_cov:g}")
-        if self.slenderness.start <= 1.0:
-            raise Contradiction("slenderness", "blocks higher than wide: start above 1", f"{self.slenderness.start:g}")
+        apart, start = (self.draws > 1) != (self.strength_cov > 0.0), self.slenderness.start
+        contradict(
+            (apart, "draws", "draws and strength_cov together", f"{self.draws}, {self.strength_cov:g}"),
+            (start <= 1.0, "slenderness", "blocks higher than wide: start above 1", f"{start:g}"),
+        )
         return self
 
 

@@ -105,8 +105,9 @@ class StudyPlan:
     def __init__(self, study: StudyFile, base: BaseScene, store: Store) -> None:
         self._study, self._base, self._store = study, base, store
         self._cases = list(expand(study, base))
-        self._known: dict[tuple[int, str], tuple[str | None, str]] = {}
-        """Key and reason by case and engine."""
+        self._keys: dict[tuple[int, str], str] = {}
+        self._reasons: dict[tuple[int, str], str] = {}
+        """Keys of what is asked, and why each case is or is not, by case and engine."""
         named = {name for variant in study.variant for name in variant.engines}
         self._others = sorted(named - {selection.REFERENCE})
         self.free = (selection.REFERENCE,) if self._others else ()
@@ -136,15 +137,15 @@ class StudyPlan:
             if name not in variant.engines:
                 continue
             cases = [case for case in self._cases if case.variant == variant.name]
-            reasons = self._reasons(name, cases)
+            reasons = self._why(name, cases)
             for case in cases:
-                planned = self._known.get((case.number, name), (None, ""))[0] is not None
-                if not planned and case.position in reasons:
-                    yield self._planned(case, name, reasons[case.position])
-                elif not planned:
-                    self._known[case.number, name] = None, left_out
+                place = case.number, name
+                if place not in self._keys:
+                    self._reasons[place] = reasons.get(case.position, left_out)
+                    if case.position in reasons:
+                        yield self._planned(case, name)
 
-    def _reasons(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, str]:
+    def _why(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, str]:
         """Why each of these places is asked of an engine, from what is known so far."""
         ask, places = self._study.ask, [case.position for case in cases]
         if engine == selection.REFERENCE or ask.cases == "all":
@@ -160,7 +161,7 @@ class StudyPlan:
         """What an engine has said of these cases."""
         answers = {}
         for case in cases:
-            key = self._known.get((case.number, engine), (None, ""))[0]
+            key = self._keys.get((case.number, engine))
             record = None if key is None else self._store.get(key)
             if record is not None:
                 run = CaseRun.stored(record)
@@ -169,25 +170,25 @@ class StudyPlan:
                 answers[case.position] = selection.PlaceAnswer(run.outcome.value, peak)
         return answers
 
-    def _planned(self, case: Case, engine: str, why: str) -> Task:
+    def _planned(self, case: Case, engine: str) -> Task:
         accuracy = self._study.asked_rad.get(engine, DEFAULT_ACCURACY_RAD)
         made = partial(self._base.scene, case.setting)
         task = RunRequest(made, engine, accuracy, history=self._study.ask.histories).task(made())
-        self._known[case.number, engine] = task.key, why
+        self._keys[case.number, engine] = task.key
         return task
 
     def rows(self) -> Iterator[PlanRow]:
         """All cases and engines in order: number, engine, key (None: not sent), reason, and what varies."""
         for case in self._cases:
-            for engine in sorted(case.engines):
-                key, reason = self._known[case.number, engine]
-                yield case.number, engine, key, reason, {"variant": case.variant, **case.varied}
+            varied = {"variant": case.variant, **case.varied}
+            for place in [(case.number, engine) for engine in sorted(case.engines)]:
+                yield *place, self._keys.get(place), self._reasons[place], varied
 
     def summary(self, campaign: Campaign) -> Summary:
         """How many cases, runs wanted, distinct ones and those not sent to an engine, and what a campaign did of them."""
-        keys = [key for key, _ in self._known.values() if key is not None]
-        cases, wanted = len({number for number, _ in self._known}), len(keys)
-        asked = {"cases": cases, "wanted": wanted, "distinct": len(set(keys)), "not_sent": len(self._known) - wanted}
+        wanted, known = len(self._keys), len(self._reasons)
+        cases, distinct = len({number for number, _ in self._reasons}), len({*self._keys.values()})
+        asked = {"cases": cases, "wanted": wanted, "distinct": distinct, "not_sent": known - wanted}
         return _summary(campaign, **asked, found=len(campaign.reused))
 
 
