@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic import Harmonic, Pulse, SampledAcceleration
+from analytic import Harmonic, Pulse
 from harness import Outcome, Run, RunOptions
-from harness.engines.analytic import ACCURACIES_RAD, TwoBlock, TwoBlockSettings
+from harness.engines.analytic import ACCURACIES_RAD, TwoBlock
 from harness.engines.base import EngineFailure, Settings
 from harness.model.finding import Severity
-from harness.model.scene import BaseExcitation, Form, Pedestal, Scene, Wall
+from harness.model.scene import Form, Pedestal, Scene, Wall
 from harness.model.two_block import block_of, keywords
 from tests import doubles
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, rectangle, scene
@@ -53,26 +53,6 @@ def test_verification_runs_are_finer_and_agree_within_what_is_stated() -> None:
     for verification in (finer, shorter):
         assert np.max(np.abs(verification.history.theta_rad - base.history.theta_rad)) <= base.numerical_uncertainty_rad
     assert shorter.steps > base.steps
-
-
-def test_an_outcome_keeps_no_history_and_is_the_same() -> None:
-    each = paestum(0.429, 1.5, duration_s=3.0)
-    whole, short = run(each), run(each, RunOptions(history=False))
-    assert short.history is None
-    assert short.outcome is whole.outcome
-    assert short.overturn_time_s == pytest.approx(whole.overturn_time_s, abs=1e-9)
-    assert "no_history" in short.skipped
-
-
-def test_what_is_skipped_is_told_and_changes_nothing() -> None:
-    t_s = np.arange(101) * 0.01
-    accel_m_s2 = np.where(t_s > 0.5, 0.3 * GRAVITY_M_S2 * np.sin(20.0 * (t_s - 0.5)), 0.01)
-    each = replace(paestum(), base_excitation=BaseExcitation(x=SampledAcceleration(t_s, accel_m_s2)))
-    lazy, eager = run(each, RunOptions()), run(each)
-    assert set(lazy.skipped) > set(eager.skipped)
-    assert lazy.skipped["quiet_rest"] > 0.0
-    assert lazy.steps < eager.steps
-    assert np.array_equal(lazy.history.theta_rad, eager.history.theta_rad)
 
 
 def test_an_outcome_is_told_what_leaves_the_domain_after_the_motion() -> None:
@@ -164,12 +144,6 @@ def test_what_the_library_refuses_is_an_engine_failure_in_its_words() -> None:
     beyond = replace(each, initial=replace(each.initial, theta_rad=1.6))
     with pytest.raises(EngineFailure, match="theta0_rad"):
         run(beyond)
-
-
-def test_settings_of_another_engine_are_refused() -> None:
-    with pytest.raises(EngineFailure, match="analytic wants its own settings"):
-        run(paestum(duration_s=0.3), settings=Settings(1e-3, 1e-9))
-    assert run(paestum(duration_s=0.3), settings=TwoBlockSettings(0.0, 1e-9, 1e-9)).settings["accuracy_rad"] == 1e-9
 
 
 def test_a_limit_that_is_passed_after_the_fall_changes_no_answer() -> None:

@@ -16,7 +16,7 @@ import pytest
 from analytic.excitation import Harmonic
 from harness import InputError, Outcome, Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.engines.base import Engine, EngineFailure
+from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model.run import SKIPS, Run, RunOptions
 from harness.records.base import plain
 from tests import budgets_engines as budget
@@ -75,6 +75,12 @@ def test_levels_go_from_coarse_to_fine(engine: Engine) -> None:
     assert all(a.expected_error_rad > b.expected_error_rad for a, b in pairwise(levels))
     assert all(a.dt_s >= b.dt_s for a, b in pairwise(levels))
     assert engine.verification_settings(shaken(engine), levels[0])
+
+
+def test_settings_of_another_engine_are_refused(engine: Engine) -> None:
+    on = shaken(engine)
+    with pytest.raises(EngineFailure, match=rf"^{engine.name} .*Settings"):
+        engine.simulate(on, Settings(1e-3, 1e-9), RunOptions())
 
 
 def test_history_is_on_the_output_grid(engine: Engine) -> None:

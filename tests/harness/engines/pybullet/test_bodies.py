@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 
 from analytic.closed_form import rolling_cylinder
-from analytic.excitation import Harmonic
-from harness import Outcome, RunOptions
+from harness import Outcome
 from harness.engines import load
 from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.feet import EdgeWatch
 from harness.engines.stepping.frame import matrices
 from harness.input.mesh_statue import statue_of
-from harness.model.scene import Scene, Statue
+from harness.model.scene import Statue
 from meshes.solid import Solid, solid_from_mesh
-from tests import budgets_bullet as budget
+from tests import budgets_engines as budget
 from tests import doubles
-from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet
+from tests.engines_for_tests import NOTHING_SKIPPED, apart, bullet
 from tests.meshes import togatus
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, paestum, scene
 
@@ -168,18 +167,6 @@ def test_feet_alone_and_the_full_shape_agree_until_the_edge_is_reached() -> None
     assert apart(short, full, until_s=changed) <= budget.MERGED_RAD
 
 
-def test_no_result_depends_on_what_ran_before() -> None:
-    case = paestum(0.429, 3.0, duration_s=0.55)
-    first = bullet(case, 1e-3)
-    bullet(paestum(0.6, 2.0, pedestal=False, duration_s=0.2), 5e-4, reach=2e-2, erp=0.5, iterations=7)
-    bullet(scene(statue_of(figure()), Harmonic(4.0, 3.0), duration_s=0.1), 1e-3)
-    again = bullet(case, 1e-3)
-    assert first.history is not None
-    assert again.history is not None
-    for name, values in first.history.columns().items():
-        assert np.array_equal(values, again.history.columns()[name]), name
-
-
 def test_the_order_of_bodies_changes_the_iterations_not_the_solution() -> None:
     case = paestum(0.429, 3.0, duration_s=0.4)
     solved = {"residual": 0.0, "iterations": 1000}
@@ -198,27 +185,6 @@ def test_verification_runs_are_finer_and_solved_more_tightly() -> None:
             assert verification.as_dict()["iterations"] > level.as_dict()["iterations"]
             solved = level.as_dict()["residual"] == 0.0
             assert (verification.as_dict()["reversed_bodies"] != level.as_dict()["reversed_bodies"]) == solved
-
-
-def test_quiet_start_changes_nothing() -> None:
-    motion = Harmonic(0.3 * GRAVITY_M_S2, 2.0)
-    t_s = np.linspace(0.0, 1.0, 201)
-    from analytic.excitation import SampledAcceleration
-
-    late = np.where(t_s > 0.5, np.asarray(motion.accel_m_s2(t_s - 0.5)), 0.0)
-    case: Scene = scene(PAESTUM, SampledAcceleration(t_s, late), duration_s=1.0)
-    skipped, whole = bullet(case, 1e-3), bullet(case, 1e-3, NOTHING_SKIPPED)
-    assert skipped.steps < 0.6 * whole.steps
-    assert skipped.skipped["quiet_start"] > 0.0
-    assert apart(skipped, whole) <= budget.PLANAR_RAD
-
-
-def test_without_history_the_outcome_is_the_same() -> None:
-    case = paestum(0.429, 1.5, pedestal=False, duration_s=3.0)
-    seen, unseen = bullet(case, 1e-3), bullet(case, 1e-3, RunOptions(history=False))
-    assert unseen.history is None
-    assert unseen.outcome is seen.outcome
-    assert unseen.overturn_time_s == seen.overturn_time_s
 
 
 def test_masses_all_changed_in_proportion_change_no_motion() -> None:

@@ -10,7 +10,7 @@ import pytest
 from analytic.excitation import Harmonic
 from harness import Run, RunOptions, Scene
 from harness.engines.base import EngineFailure
-from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, WHOLE, bullet
+from tests.engines_for_tests import NOTHING_SKIPPED, WHOLE, bullet
 from tests.scenes_for_tests import paestum
 
 CASES: dict[str, tuple[Scene, RunOptions]] = {

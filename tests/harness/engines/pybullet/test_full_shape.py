@@ -23,8 +23,8 @@ from harness.model.run import SKIPS, RunOptions
 from harness.model.scene import Pedestal, Scene, Statue, Wall
 from meshes import decomposition, load_solid
 from meshes.solid import solid_from_mesh
-from tests import budgets_bullet as budget
-from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet, exact, worst
+from tests import budgets_engines as budget
+from tests.engines_for_tests import NOTHING_SKIPPED, apart, bullet, exact, worst
 from tests.measures.seeded_scenes import random_scene
 from tests.meshes import toadstool
 from tests.meshes.shapes import prism
@@ -179,10 +179,10 @@ def test_a_flat_wall_meets_a_concave_statue_at_its_hulls_vertices(monkeypatch: p
     first = case.wall_rotation_rad
     rim = np.array([0.7, 0.6])  # the cap's upper edge from the corner: nearest to the wall when it turns
     assert first == pytest.approx(math.atan2(rim[1], rim[0]) - math.acos(0.75 / math.hypot(*rim)), abs=1e-12)
-    assert touching_from(case, "hull") == pytest.approx(first, abs=budget.WALL_RAD)
+    assert touching_from(case, "hull") == pytest.approx(first, abs=budget.SHAPE_AT_WALL_RAD)
     run = bullet(case, 5e-4)
     assert run.outcome is Outcome.TOUCHES_WALL
-    assert run.history.theta_rad[-1] == pytest.approx(first, abs=budget.WALL_RAD)
+    assert run.history.theta_rad[-1] == pytest.approx(first, abs=budget.SHAPE_AT_WALL_RAD)
     assert run.validity["full_shape"] is None
 
 

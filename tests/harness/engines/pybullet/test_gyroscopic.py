@@ -10,7 +10,7 @@ from analytic.excitation import ZeroExcitation
 from harness import Run, RunOptions, engines
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pose, Scene
 from harness.questions.validate.tosses import poses
-from tests import budgets_bullet as budget
+from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import block
 
 pytest.importorskip("pybullet")

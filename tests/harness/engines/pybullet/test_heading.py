@@ -13,9 +13,9 @@ from harness.engines import load
 from harness.engines.pybullet.world import Heading
 from harness.model.run import Run, RunOptions
 from harness.model.scene import BaseExcitation, Initial, Pose, Scene, Wall
-from tests import budgets_bullet as budget
+from tests import budgets_engines as budget
 from tests import doubles
-from tests.harness.engines.pybullet.cases import NOTHING_SKIPPED, apart, bullet
+from tests.engines_for_tests import NOTHING_SKIPPED, apart, bullet
 from tests.measures.seeded_scenes import space_scene
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum, rectangle, scene
 

@@ -8,8 +8,8 @@ import pytest
 from analytic.excitation import Harmonic
 from harness.model.scene import BaseExcitation, Scene
 from harness.statics.plan import asymmetry
-from tests import budgets_bullet as budget
-from tests.harness.engines.pybullet.cases import WHOLE, apart, bullet
+from tests import budgets_engines as budget
+from tests.engines_for_tests import WHOLE, apart, bullet
 from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import GRAVITY_M_S2, paestum
 

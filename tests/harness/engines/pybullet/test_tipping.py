@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests import budgets_bullet as budget
-from tests.harness.engines.pybullet.cases import apart, bullet
+from tests import budgets_engines as budget
+from tests.engines_for_tests import apart, bullet
 from tests.measures.seeded_scenes import tipping_scene
 from tests.scenes_for_tests import paestum
 
