@@ -38,7 +38,8 @@ from reports.charts.figure import (
     upwards,
 )
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, told_family, told_symbol
+from reports.text.answers import Answers, Condition
+from reports.text.wording import told_family, told_symbol
 
 COLOURS: Final = {
     "none": "#ffffff", "stands": "#bfe0ee", "other": "#b9bec6", "wall": "#E69F00", "overturns": "#c8562d", "failed": "#000000",
@@ -48,8 +49,6 @@ COLOURS: Final = {
 """Of what becomes of the statue at a place; paler where that was not computed, since all places around it agree."""
 SHADES: Final = 24
 """Steps of colour over a map of numbers."""
-LEAST: Final = 3
-"""Fewer values than this along an axis make no map: the table shows them better."""
 
 
 Side = tuple[str, Sequence[float]]
@@ -60,46 +59,15 @@ Grid = tuple[NDArray[np.object_], NDArray[np.object_]]
 """One model's outcomes on a map: names of `COLOURS` (rows of y, columns of x), and what is told of each place."""
 
 
-def numeric(conditions: Sequence[Condition], key: str) -> set[float]:
-    """The values that a key takes, none where one of them is not a number."""
-    values = {item.varied[key] for item in conditions}
-    numbers = {value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)}
-    return numbers if len(numbers) == len(values) else set()
-
-
-def map_axes(conditions: Sequence[Condition], keys: Sequence[str]) -> tuple[str, str] | None:
-    """The two numeric keys with most values, when both have enough of them to make a map (an amplitude is drawn upwards)."""
-    sizes = [
-        item
-        for item in sorted(((len(numeric(conditions, key)), key) for key in keys), reverse=True)
-        if item[0] >= LEAST
-    ]
-    if len(sizes) < 2:
-        return None
-    first, second = sizes[0][1], sizes[1][1]
-    return (second, first) if "amplitude" in first else (first, second)
-
-
-def alike(conditions: Sequence[Condition], keys: Sequence[str], say: Language) -> list[tuple[str, list[Condition]]]:
-    """Conditions by what these keys are, with that in words."""
-    groups = grouped((repr([item.varied[key] for key in keys]), item) for item in conditions)
-    return [
-        ("".join(f" · {say.label(key)} {say.value(members[0].varied[key], 'plain')}" for key in keys), members)
-        for members in groups.values()
-    ]
-
-
-def map_figures(
-    models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str], say: Language = ENGLISH
-) -> list[tuple[str, Json]]:
-    """For each combination of the remaining `keys`: all models' boundaries, then one map per model; empty when it is no map."""
-    axes = map_axes(conditions, keys)
+def map_figures(answers: Answers, say: Language = ENGLISH) -> list[tuple[str, Json]]:
+    """For each combination of the other axes: all models' boundaries, then one map per model; empty when it is no map."""
+    axes = answers.plane
     if axes is None:
         return []
     figures = []
-    for where, members in alike(conditions, [key for key in keys if key not in axes], say):
-        x, y = ((say.label(key), sorted({item.number(key) for item in members})) for key in axes)
-        found = {model: _grid(model, members, axes, x, y, say) for model in models}
+    for where, members in answers.apart(axes, say):
+        x, y = ((say.label(key), members.numbers(key)) for key in axes)
+        found = {model: _grid(model, members.cases, axes, x, y, say) for model in answers.models}
         grids = {model: grid for model, grid in found.items() if grid is not None}
         if len(grids) > 1 and any(np.isin(codes.astype(str), FALLING).any() for codes, _ in grids.values()):
             figures.append((say("chart.boundaries") + where, _boundaries(grids, x, y)))

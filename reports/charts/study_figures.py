@@ -37,11 +37,12 @@ from reports.charts.figure import (
     rows_of,
     upwards,
 )  # fmt: skip
-from reports.charts.map_figures import LEAST, alike, map_axes, number_map, numeric
+from reports.charts.map_figures import number_map
 from reports.drawing.effects_figures import RoseCurve, rose_of
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, runs_of, told_family, told_symbol
+from reports.text.answers import LEAST, Answers
+from reports.text.wording import told_family, told_symbol
 
 # Maps of numbers: how far the statue rotates and its pedestal slides over what varies, and where the pedestal would tip.
 
@@ -51,37 +52,35 @@ TIPPING: Final = ("pedestal_tipping_margin_m", "pedestal_tipping_margin_at_impac
 """The margins of the record: the pedestal's half width less the reach of the floor's force, in motion and at impacts."""
 
 
-def design_figures(
-    models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None, say: Language = ENGLISH
-) -> list[tuple[str, Json]]:
+def design_figures(answers: Answers, say: Language = ENGLISH) -> list[tuple[str, Json]]:
     """For each model maps of the largest rotation where it stands, and where it slides of the pedestal's largest displacement.
 
     Places that would tip the pedestal are marked. Empty when what varies makes no map, or a place stands for several conditions.
     """
-    if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
+    axes, models = answers.single_plane, answers.models
+    if axes is None:
         return []
     peaks = {
-        say("chart.map_peak", model=model): _value_map(model, conditions, axes, _standing_peak, "rad", STILL_RAD, say, False)
-        for model in models if len(conditions) <= MOST_PLACES
+        say("chart.map_peak", model=model): _value_map(model, answers, axes, _standing_peak, "rad", STILL_RAD, say, False)
+        for model in models if len(answers.cases) <= MOST_PLACES
     }  # fmt: skip
     slips = {
-        say("chart.map_slip", model=model): _value_map(model, conditions, axes, _slip_mm, "mm", 1e3 * STILL_M, say)
+        say("chart.map_slip", model=model): _value_map(model, answers, axes, _slip_mm, "mm", 1e3 * STILL_M, say)
         for model in models
     }
     return [(title, drawn) for title, drawn in (peaks | slips).items() if drawn is not None]
 
 
-def best_designs(models: Sequence[str], conditions: Sequence[Condition], axes: tuple[str, str] | None) -> list[Finding]:
+def best_designs(answers: Answers) -> list[Finding]:
     """For each model that slides: of the designs in which the statue stands and nothing tips, the least slip, and which has it
     where one has. Shakings are no designs.
     """
-    if axes is None or len({tuple(item.varied[key] for key in axes) for item in conditions}) != len(conditions):
-        return []
-    if any(key.startswith("motion.") for key in axes):
+    axes = answers.single_plane
+    if axes is None or any(key.startswith("motion.") for key in axes):
         return []
     found = []
-    for model in models:
-        runs = [(run, item) for item, run in runs_of(conditions, model)]
+    for model in answers.models:
+        runs = [(run, item) for item, run in answers.runs(model)]
         if not any(run.peak_slip_m > 0.0 for run, _ in runs):
             continue
         good = [(run, item) for run, item in runs if _stands(run) and not _tips(run)]
@@ -115,7 +114,7 @@ def _tips(run: CaseRun) -> bool:
 
 def _value_map(
     model: str,
-    conditions: Sequence[Condition],
+    answers: Answers,
     axes: tuple[str, str],
     value_of: Callable[[CaseRun], float],
     unit: str,
@@ -124,8 +123,8 @@ def _value_map(
     marked: bool = True,
 ) -> Json | None:
     """A heatmap of one number of each run; None where it is nought, or rounding, everywhere."""
-    x, y = ((say.label(key), sorted({item.number(key) for item in conditions})) for key in axes)
-    there = {tuple(item.number(key) for key in axes): run for item, run in runs_of(conditions, model)}
+    x, y = ((say.label(key), answers.numbers(key)) for key in axes)
+    there = {tuple(item.number(key) for key in axes): run for item, run in answers.runs(model)}
     values = np.array([[value_of(there[at, up]) if (at, up) in there else np.nan for at in x[1]] for up in y[1]])
     if not np.nanmax(values, initial=0.0) > least:
         return None
@@ -140,26 +139,20 @@ MOST_GROUPS: Final = 6
 """More combinations of what else varies are no curves of one axis: the table shows them."""
 
 
-def curve_figures(
-    models: Sequence[str], conditions: Sequence[Condition], keys: Sequence[str], say: Language = ENGLISH
-) -> list[tuple[str, Json]]:
-    """For each axis of numbers, and each combination of the other `keys`, a chart of all models; none where there is a map."""
-    if map_axes(conditions, keys) is not None:
-        return []
-    figures = []
-    for key in keys:
-        if len(numeric(conditions, key)) < LEAST:
-            continue
-        groups = alike(conditions, [other for other in keys if other != key], say)
-        if len(groups) <= MOST_GROUPS:
-            by = say("text.by", name=say.label(key))
-            figures += [(by + where, _curves(models, members, key, say)) for where, members in groups]
-    return figures
+def curve_figures(answers: Answers, say: Language = ENGLISH) -> list[tuple[str, Json]]:
+    """For each axis of numbers, and each combination of the others, a chart of all models; none where there is a map."""
+    numeric = [key for key in answers.axes if answers.plane is None and len(answers.numbers(key)) >= LEAST]
+    groups = [(key, answers.apart([key], say)) for key in numeric]
+    return [
+        (say("text.by", name=say.label(key)) + where, _curves(members, key, say))
+        for key, apart in groups if len(apart) <= MOST_GROUPS for where, members in apart
+    ]  # fmt: skip
 
 
-def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: Language) -> Json:
+def _curves(answers: Answers, key: str, say: Language) -> Json:
     """Outcome and, where a statue that stands rocks or slides, largest rotation and slip; of one that falls these say nothing."""
-    looks, along = model_looks(models), sorted(members, key=lambda item: item.number(key))
+    looks = model_looks(answers.models)
+    along = {model: sorted(answers.runs(model), key=lambda each: each[0].number(key)) for model in answers.models}
     parts: list[Json] = [
         {
             "name": model, "x": [item.number(key) for item, _ in runs],
@@ -167,7 +160,7 @@ def _curves(models: Sequence[str], members: Sequence[Condition], key: str, say: 
             "theta": [abs(run.peak_theta_rad) if _stands(run) else None for _, run in runs],
             "slip": [1e3 * run.peak_slip_m if _stands(run) else None for _, run in runs],
         }
-        for model in models for runs in [runs_of(along, model)]
+        for model, runs in along.items()
     ]  # fmt: skip
     outcomes = list(dict.fromkeys(words for part in parts for words in part["outcome"]))
     rows = [(names("outcome", outcomes[::-1], grid=True), 40 + 26 * len(outcomes))]
@@ -237,17 +230,15 @@ def place(panel: Panel, say: Language = ENGLISH) -> str:
     return say.row([f"{say.short(panel.amplitude_g)} g", f"{say.short(panel.frequency_hz)} Hz"])
 
 
-def fragility_figure(
-    models: Sequence[str], conditions: Sequence[Condition], key: str, say: Language = ENGLISH
-) -> Json | None:
+def fragility_figure(answers: Answers, key: str, say: Language = ENGLISH) -> Json | None:
     """Share of overturned runs against an intensity, with 95 % intervals and the lognormal fit with its band.
 
     Everything else that varies is pooled; runs without an end are left out. None unless some model has at least three levels of
     ten runs each.
     """
     data: dict[str, list[Json]] = {"points": [], "fits": []}
-    for model in models:
-        known = [(item, fallen) for item, run in runs_of(conditions, model) if (fallen := falls(run)) is not None]
+    for model in answers.models:
+        known = [(item, fallen) for item, run in answers.runs(model) if (fallen := falls(run)) is not None]
         levels = grouped((abs(item.number(key)), fallen) for item, fallen in known)
         if sum(len(fell) >= LEAST_RUNS for fell in levels.values()) >= 3:
             shares = [(x, share) for x, fell in sorted(levels.items()) if (share := wilson(sum(fell), len(fell)))]
@@ -257,7 +248,7 @@ def fragility_figure(
     if not data["points"]:
         return None
     shown = {part["name"] for part in data["points"]}
-    drawn = named({name: style for name, style in model_looks(models).items() if name in shown})
+    drawn = named({name: style for name, style in model_looks(answers.models).items() if name in shown})
     layers = chosen([band("fits", drawn, 0.12), marks("line", "fits", drawn), *estimates("points", drawn)])
     y = upwards("y", say("chart.share_overturns"), {"domain": [0.0, 1.0]})
     return figure(layers, 420, data, across("x", say.label(key)), y)
@@ -275,22 +266,19 @@ def _fitted(model: str, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
     return [{"name": model, "x": xs, "y": curve_fit.probability(xs), "low": low, "high": high}]
 
 
-def rose_picture(models: Sequence[str], conditions: Sequence[Condition], say: Language = ENGLISH) -> Picture | None:
+def rose_picture(answers: Answers, say: Language = ENGLISH) -> Picture | None:
     """Least amplitude that overturns the statue, by direction of shaking; None without azimuths and amplitudes."""
-    keys = list(conditions[0].varied) if conditions else []
-    turn = next((key for key in keys if key.endswith("azimuth_deg")), None)
-    size = next((key for key in keys if "amplitude" in key or key.endswith("scale")), None)
+    turn = next((key for key in answers.keys if key.endswith("azimuth_deg")), None)
+    size = next((key for key in answers.keys if "amplitude" in key or key.endswith("scale")), None)
     if turn is None or size is None:
         return None
     drawn: list[RoseCurve] = []
-    for model, style in model_looks(models).items():
-        by_angle = grouped(
-            (item.number(turn), (run, abs(item.number(size)))) for item, run in runs_of(conditions, model)
-        )
+    for model, style in model_looks(answers.models).items():
+        by_angle = grouped((item.number(turn), (run, abs(item.number(size)))) for item, run in answers.runs(model))
         fell = {angle: [most for run, most in by_angle[angle] if run.outcome.overturned] for angle in sorted(by_angle)}
         if sum(map(bool, fell.values())) >= LEAST_DIRECTIONS:
             drawn.append(RoseCurve(model, {angle: min(sizes, default=None) for angle, sizes in fell.items()}, style))
     if not drawn:
         return None
-    most = max(abs(item.number(size)) for item in conditions)
+    most = max(abs(item.number(size)) for item in answers.cases)
     return rose_of(drawn, most, " g" if size.endswith("_g") else "", say=say)

@@ -28,7 +28,7 @@ from reports.drawing.shapes import Picture
 from reports.pages.assets import source_text
 from reports.pages.page import page_blocks
 from reports.source import source_of
-from reports.text.wording import conditions
+from reports.text.answers import Answers
 
 # A page printed to PDF by the machine's own Chromium: the stills in place of the live charts, nothing folded away.
 
@@ -189,7 +189,7 @@ def _pictures(folder: Path, record: Record, model: str | None) -> Iterator[tuple
     for chart in walk(page_blocks(folder, record)):
         if isinstance(chart, Chart) and chart.name != "panels":
             yield chart.name, chart.words, chart.figure
-    if isinstance(record, StudyRecord) and (drawn := rose_picture(*conditions(record.rows))) is not None:
+    if isinstance(record, StudyRecord) and (drawn := rose_picture(Answers.of(record.rows))) is not None:
         yield "rose", "", drawn
 
 

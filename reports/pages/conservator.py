@@ -26,6 +26,7 @@ from reports.drawing.pictures import Plan, floor_plan, order_sketch, plan_sketch
 from reports.drawing.shapes import Picture
 from reports.messages import ENGLISH, Language, probability_text, split_unit
 from reports.source import RunSource, run_source, source_of
+from reports.text.answers import Answers, Condition
 from reports.text.giving_way import (
     compass,
     levels,
@@ -38,18 +39,14 @@ from reports.text.giving_way import (
 )
 from reports.text.wording import (
     TIPS_RAD,
-    Condition,
-    conditions,
     doubted,
     family,
     horizon_s,
     pedestal_moves,
     prediction_s,
-    runs_of,
     told_family,
     tone,
     tone_of_study,
-    varying_keys,
 )
 
 LIMITS: Final = ("hard", "steady", "friction", "next")
@@ -524,20 +521,20 @@ STRENGTHS: Final = (
 
 def of_study(record: StudyRecord, say: Language = ENGLISH) -> list[Block]:
     """Headline, points and pictures of a study."""
-    models, cases = conditions(record.rows)
-    runs = {model: of for model in models if (of := [run for _, run in runs_of(cases, model)])}
+    answers = Answers.of(record.rows, record.vary)
+    runs = {model: of for model in answers.models if (of := [run for _, run in answers.runs(model)])}
     ends = _most_known({
         model: Counter(OUTSIDE if doubted(run) else end_key(run.outcome) for run in of) for model, of in runs.items()
     })  # fmt: skip
     said = [
-        *_asked(record, models, cases, say),
+        *_asked(answers, say),
         *_by_variant(ends, say),
         *_outside(record, say),
-        *_bore(record, cases, say),
+        *_bore(record, answers, say),
     ]
     tone = tone_of_study(told_family(run) for of in runs.values() for run in of)
     basis = [*_agree(record, say), say("chance.unknown")]
-    pictures = [*_map(record, cases, say), *_pictures(record, models, cases, say)]
+    pictures = [*_map(record, answers, say), *_pictures(record, answers, say)]
     return plain_page(_headline(ends, say), tone, said, [say("todo.ask")], pictures, basis, say)
 
 
@@ -613,19 +610,17 @@ def _between(counts: Sequence[int], say: Language) -> str:
     return str(least) if least == most else say("study.between", least=least, most=most)
 
 
-def _asked(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[str]:
-    keys = {**record.vary, **(cases[0].varied if cases else {})}  # what is scattered stands in the cases alone
-    varied = [say.key(key) or say("key.other") for key in keys]
-    variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in models))
+def _asked(answers: Answers, say: Language) -> list[str]:
+    varied = [say.key(key) or say("key.other") for key in dict.fromkeys([*answers.asked, *answers.keys])]
+    variants = list(dict.fromkeys(model.partition(" (")[2][:-1] for model in answers.models))
     names = say.listed(say("study.quoted", name=name) for name in variants)
     sentences = {"study.varied": varied, "study.variants": len(variants) > 1}
     return told(say, sentences, keys=say.listed(dict.fromkeys(varied)), names=names)
 
 
-def _strength(cases: Sequence[Condition]) -> str | None:
+def _strength(answers: Answers) -> str | None:
     """The key that varies the strength of the shaking."""
-    keys = cases[0].varied if cases else ()
-    return next((key for key in keys if key in STRENGTHS), None)
+    return next((key for key in answers.keys if key in STRENGTHS), None)
 
 
 def _borne(cases: Sequence[Condition], key: str) -> float | None:
@@ -635,12 +630,12 @@ def _borne(cases: Sequence[Condition], key: str) -> float | None:
     return max(itertools.takewhile(lambda level: {*ends[level]} == {"stands"}, sorted(ends)), default=None)
 
 
-def _bore(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[str]:
+def _bore(record: StudyRecord, answers: Answers, say: Language) -> list[str]:
     """The strongest shaking that it bore; where there is none, the weakest that was tried."""
-    key = _strength(cases)
+    key = _strength(answers)
     if key is None:
         return []
-    safe, tried = _borne(cases, key), [abs(item.number(key)) for item in cases]
+    safe, tried = _borne(answers.cases, key), [abs(item.number(key)) for item in answers.cases]
     level = min(tried) if safe is None else safe
     return [say("study.weakest" if safe is None else "study.borne", level=_level(record, key, level, say))]
 
@@ -675,19 +670,18 @@ def _strength_unit(record: StudyRecord, key: str) -> tuple[str, float]:
     return kind, abs(math.prod(float(each) for each in factors if isinstance(each, int | float)))
 
 
-def _by_direction(record: StudyRecord, cases: Sequence[Condition]) -> dict[float, float]:
+def _by_direction(record: StudyRecord, answers: Answers) -> dict[float, float]:
     """The strongest shaking borne by direction of the push, where the study turned the statue and varied the amplitude in g.
 
     A statue turned by an angle under a shaking along x is one shaken along minus that angle, to both sides.
     """
-    turn = next((key for item in cases for key in item.varied if key.endswith("azimuth_deg")), None)
-    strength = _strength(cases)
+    turn, strength = next((key for key in answers.keys if key.endswith("azimuth_deg")), None), _strength(answers)
     if turn is None or strength is None or not strength.endswith("_g"):
         return {}
     own, (_, unit) = scan_turn_deg(record.scene), _strength_unit(record, strength)
     borne = {}
-    for angle in {item.number(turn) for item in cases}:
-        safe = _borne([item for item in cases if item.number(turn) == angle], strength)
+    for angle in {item.number(turn) for item in answers.cases}:
+        safe = _borne([item for item in answers.cases if item.number(turn) == angle], strength)
         for side in (0.0, 180.0):
             borne[(own - angle + side) % 360.0] = (safe or 0.0) * unit
     return borne
@@ -702,11 +696,11 @@ def _agree(record: StudyRecord, say: Language) -> list[str]:
     return [begun(say("study.agree", count=say.count(len(scores) + 1), same=same, total=total))]
 
 
-def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> list[Drawing]:
+def _pictures(record: StudyRecord, answers: Answers, say: Language) -> list[Drawing]:
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
     scene, support = record.scene, record.supports or support_of(record.scene)
-    push = push_picture(scene, support, say, borne=_by_direction(record, cases))
-    effect = pedestal_effect(record, models, cases, say, "plain")
+    push = push_picture(scene, support, say, borne=_by_direction(record, answers))
+    effect = pedestal_effect(record, answers, say, "plain")
     if effect is None:
         return [push, order_picture(scene, support, say)]
     finding, charts = effect
@@ -722,18 +716,18 @@ def _pictures(record: StudyRecord, models: Sequence[str], cases: Sequence[Condit
     ]
 
 
-def _map(record: StudyRecord, cases: Sequence[Condition], say: Language) -> list[Drawing]:
+def _map(record: StudyRecord, answers: Answers, say: Language) -> list[Drawing]:
     """Where it falls, over the two keys of the study's own map: at each place the worst that any answer there says."""
-    from reports.charts.map_figures import map_axes, map_figures  # a run's page has no map, nor the rooms that one asks
+    from reports.charts.map_figures import map_figures  # a run's page has no map, nor the rooms that one asks
 
-    axes = map_axes(cases, [key for key in record.vary if key in varying_keys(cases)])
+    axes = answers.plane
     if axes is None or record.panels:
         return []
-    places = [(tuple(item.varied[key] for key in axes), item.answers.values()) for item in cases]
-    answers = grouped((place, row) for place, rows in places for row in rows)
-    worst = {place: max(rows, key=_severity) for place, rows in answers.items()}
-    worst_told = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
-    figures = map_figures([""], worst_told, axes, say)
+    places = [(tuple(item.varied[key] for key in axes), item.answers.values()) for item in answers.cases]
+    said = grouped((place, row) for place, rows in places for row in rows)
+    worst = {place: max(rows, key=_severity) for place, rows in said.items()}
+    cases = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
+    figures = map_figures(Answers([""], cases, axes), say)
     if not figures:
         return []
     _, figure = figures[0]

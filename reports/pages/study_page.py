@@ -1,7 +1,6 @@
 """The page of a study: verdict, claims, outcome matrix, panels, maps, fragility, what was asked and what was not."""
 
 from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -29,7 +28,7 @@ from reports.blocks import (
     verdict,
     words,
 )
-from reports.charts.map_figures import map_axes, map_figures
+from reports.charts.map_figures import map_figures
 from reports.charts.study_figures import (
     SHOWN_RAD,
     best_designs,
@@ -41,17 +40,14 @@ from reports.charts.study_figures import (
 )
 from reports.drawing.pictures import scene_svg
 from reports.messages import Language
+from reports.text.answers import Answers
 from reports.text.giving_way import pedestal_effect
 from reports.text.wording import (
-    Condition,
-    conditions,
-    runs_of,
     symbol,
     symbols,
     told_family,
     told_symbol,
     tone_of_study,
-    varying_keys,
 )
 
 MOST_MATRIX_ROWS: Final = 300
@@ -62,10 +58,12 @@ JUDGED: Final = {"holds": "✓", "does not hold": "✕", "holds for some": "◐"
 
 def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
     """The blocks of a study's page."""
-    models, cases = conditions(record.rows)
-    keys = varying_keys(cases)
-    effect, charts = pedestal_effect(record, models, cases, say), study_charts(record, models, cases, keys, say)
-    rose = rose_picture(models, cases, say)
+    answers = Answers.of(record.rows, record.vary)
+    effect, charts, rose = (
+        pedestal_effect(record, answers, say),
+        study_charts(record, answers, say),
+        rose_picture(answers, say),
+    )
     drawn: list[Chart | Drawing] = [*charts]
     drawn += [] if rose is None else [Drawing(rose.svg(say("text.study_rose")), [say("text.study_rose")], "chart-box")]
     reasons = [
@@ -75,16 +73,16 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
         (say.value(key, "key"), say.row([say.value(value, "plain") for value in values]))
         for key, values in record.vary.items()
     ]
-    scattered = {key: [item.number(key) for item in cases] for key in keys if key not in record.vary}
+    scattered = {key: [item.number(key) for item in answers.cases] for key in answers.varying if key not in record.vary}
     vary += [
         (say.value(key, "key"), say.range([say.short(min(values)), say.short(max(values))]))
         for key, values in scattered.items()
     ]
     seconds = Facts([(name, say.value(value, "s")) for name, value in record.engine_seconds.items()])
     picture = Drawing(scene_svg(record.scene, say), [say("text.study_scene", title=record.scene.title)])
-    shown = matrix(models, cases, keys, say) if len(cases) <= MOST_MATRIX_ROWS else None
+    shown = matrix(answers, say) if len(answers.cases) <= MOST_MATRIX_ROWS else None
     return [
-        study_verdict(record, models, cases, say),
+        study_verdict(record, answers, say),
         *_claims(record, say),
         *(
             section(
@@ -125,44 +123,41 @@ def _head(model: str) -> Cell:
     return Cell(engine, below=variant[:-1])
 
 
-def study_charts(
-    record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str], say: Language
-) -> list[Chart]:
+def study_charts(record: StudyRecord, answers: Answers, say: Language) -> list[Chart]:
     """The charts that the rows hold, each with its name on the page and its words: maps, curves, fragility."""
-    axes = [key for key in record.vary if key in keys]
     if record.panels:  # the paper's arrangement shows the same as histories
         return []
     found = {
-        "map": map_figures(models, cases, axes, say),
-        "map-design": design_figures(models, cases, map_axes(cases, axes), say),
-        "curve": curve_figures(models, cases, axes, say),
+        "map": map_figures(answers, say),
+        "map-design": design_figures(answers, say),
+        "curve": curve_figures(answers, say),
     }
     charts = [
         Chart(f"{name}-{k}", title, figure)
         for name, figures in found.items()
         for k, (title, figure) in enumerate(figures)
     ]
-    scattered = len(axes) < len(keys)
-    for key in axes if scattered else ():
+    scattered = len(answers.axes) < len(answers.varying)
+    for key in answers.axes if scattered else ():
         if "amplitude" in key or key.endswith("scale"):
-            figure = fragility_figure(models, cases, key, say)
+            figure = fragility_figure(answers, key, say)
             if figure is not None:
                 charts.append(Chart(f"fragility-{key}", say("text.study_fragility", key=say.label(key)), figure))
     return charts
 
 
-def study_verdict(record: StudyRecord, models: Sequence[str], cases: Sequence[Condition], say: Language) -> Verdict:
+def study_verdict(record: StudyRecord, answers: Answers, say: Language) -> Verdict:
     """The record's answer; no green without a probability."""
-    keys = [key for key in record.vary if key in varying_keys(cases)]
-    ends = [told_family(run) for model in models for _, run in runs_of(cases, model)]
+    ends = [told_family(run) for model in answers.models for _, run in answers.runs(model)]
     tone = tone_of_study(ends) if code(record) == "overturning" else "differ"
-    return verdict(record, tone, [say.say(each) for each in best_designs(models, cases, map_axes(cases, keys))])
+    return verdict(record, tone, [say.say(each) for each in best_designs(answers)])
 
 
-def matrix(models: Sequence[str], cases: Sequence[Condition], keys: Sequence[str], say: Language) -> Table:
+def matrix(answers: Answers, say: Language) -> Table:
     """What was varied, and every model's answer; `differs` where models of one variant do not agree (different falls do)."""
     rows: list[list[str | Cell]] = []
-    for item in cases:
+    models, keys = answers.models, answers.varying
+    for item in answers.cases:
         runs = [(model, run) for model in models if (run := item.run(model)) is not None and in_domain(run)]
         by_variant = grouped((model.partition(" (")[2], run.outcome) for model, run in runs)
         ends = [{"" if each.overturned else symbol(each, say)[1] for each in group} for group in by_variant.values()]

@@ -35,7 +35,7 @@ from reports.charts.figure import (
 )
 from reports.drawing.kinematics import poses, top_shift_m
 from reports.messages import ENGLISH, Language
-from reports.text.wording import Condition, runs_of
+from reports.text.answers import Answers, Condition
 
 # What the pedestal changes over a study: how often it prevents a fall, and how far the top moves with and without it.
 
@@ -44,8 +44,7 @@ WALL_COLOUR: Final = "#8c1d2f"
 
 def pedestal_effect(
     record: StudyRecord,
-    models: Sequence[str],
-    cases: Sequence[Condition],
+    answers: Answers,
     say: Language = ENGLISH,
     words: str = "chart",
 ) -> tuple[Finding, list[Chart]] | None:
@@ -55,18 +54,16 @@ def pedestal_effect(
     Where the study varies a frequency, charts of the share of falls (`saved`) and of the reach (`moved`). `words` is the table of
     the catalogue that names what the charts show.
     """
-    keys = list(cases[0].varied) if cases else []
-    paces = (key for key in keys if key.endswith("frequency_hz"))
     # "keep" is no number.
-    pace = next((key for key in paces if all(isinstance(item.varied[key], (int, float)) for item in cases)), None)
-    if len({item.varied["pedestal"] for item in cases if "pedestal" in keys}) < 2:
+    pace = next((key for key in answers.keys if key.endswith("frequency_hz") and answers.numbers(key)), None)
+    if "pedestal" not in answers.varying:
         return None
-    counted = {name: _saved(cases, name) for name in models}
-    model = knows_most(counted, models[0]) or models[0]
+    counted = {name: _saved(answers.runs(name)) for name in answers.models}
+    model = knows_most(counted, answers.models[0]) or answers.models[0]
     told = info("pedestal_saves", model=model, **vars(counted[model]))
     if pace is None:
         return told, []
-    runs = sorted(runs_of(cases, model), key=lambda each: each[0].number(pace))
+    runs = sorted(answers.runs(model), key=lambda each: each[0].number(pace))
     fell: list[dict[float, list[bool]]] = []
     reach: list[dict[float, float]] = []
     for setting in SETTINGS:
@@ -94,9 +91,9 @@ def _top_m(scene: SceneRecord, run: CaseRun) -> float:
     return float(np.abs(top_shift_m(scene, leans)).max()) + run.peak_slip_m
 
 
-def _saved(cases: Sequence[Condition], model: str) -> Saved:
+def _saved(runs: Sequence[tuple[Condition, CaseRun]]) -> Saved:
     """How often the pedestal prevents and causes an overturning under the same condition, where both runs tell it."""
-    known = [(item.varied, fallen) for item, run in runs_of(cases, model) if (fallen := falls(run)) is not None]
+    known = [(item.varied, fallen) for item, run in runs if (fallen := falls(run)) is not None]
     by_rest = grouped(
         (tuple(value for key, value in varied.items() if key != "pedestal"), (varied["pedestal"] == "none", fallen))
         for varied, fallen in known

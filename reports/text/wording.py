@@ -3,7 +3,6 @@ study's rows in words.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Final, Literal
 
 import numpy as np
@@ -15,13 +14,12 @@ from harness.model.run_set import grouped
 from harness.records.assess import Assessment
 from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores
-from harness.records.study import CaseRun, StudyRow, Value
 from reports.blocks import Cell, Chip, Verdict, code, verdict
 from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
 from reports.messages import ENGLISH, Language
 from reports.source import RunSource
 
-# A study's rows arranged for tables and pictures: conditions down, models across.
+# The outcomes of runs as signs, words and colours.
 
 SIGNS: Final = {
     "stands": "●", "overturned_left": "◀", "overturned_right": "▶", "overturned_front": "▼", "overturned_back": "▲",
@@ -29,49 +27,6 @@ SIGNS: Final = {
 }  # fmt: skip
 """The sign of each outcome: told apart without colour."""
 FAMILY: Final = {"stands": "stands", "touches_wall": "wall"}
-
-
-@dataclass(frozen=True)
-class Condition:
-    """One combination of what the study varies, with every model's row of it (the variants' own keys aside)."""
-
-    varied: Mapping[str, Value]
-    answers: Mapping[str, StudyRow] = field(default_factory=dict)
-
-    def run(self, model: str) -> CaseRun | None:
-        """A model's run; None where it was not sent."""
-        row = self.answers.get(model)
-        return None if row is None else row.run
-
-    def number(self, key: str) -> float:
-        """The value of a key that varies among numbers."""
-        return float(self.varied[key])
-
-
-def conditions(rows: Sequence[StudyRow]) -> tuple[list[str], list[Condition]]:
-    """The models in their order, and all conditions in the study's order."""
-    models: dict[str, None] = {}
-    by_keys: dict[tuple[Value, ...], tuple[dict[str, Value], dict[str, StudyRow]]] = {}
-    for row in sorted(rows, key=lambda item: int(item.number)):
-        varied = {key: value for key, value in row.varied.items() if key != "variant"}
-        models[row.model] = None
-        by_keys.setdefault(tuple(varied.values()), (varied, {}))[1][row.model] = row
-    variants = list(dict.fromkeys(model.partition(" (")[2] for model in models))
-    return sorted(models, key=lambda model: _order(model, variants)), [
-        Condition(varied, answers) for varied, answers in by_keys.values()
-    ]
-
-
-def runs_of(cases: Sequence[Condition], model: str) -> list[tuple[Condition, CaseRun]]:
-    """The conditions that a model answered, each with its run."""
-    return [(item, run) for item in cases if (run := item.run(model)) is not None]
-
-
-def _order(model: str, variants: Sequence[str]) -> tuple[int, int, str]:
-    """Variants as the study has them, within each the analytic model first."""
-    engine, _, variant = model.partition(" (")
-    rank = {"analytic": 0, "pymunk": 1, "pybullet": 2}.get(engine, 3)
-    return variants.index(variant), rank, engine
 
 
 def family(outcome: str) -> str:
@@ -107,12 +62,6 @@ def told_symbol(run: RunRow, say: Language) -> tuple[str, str]:
 def symbols(say: Language) -> list[tuple[str, str]]:
     """Every sign with its words."""
     return [*(symbol(each, say) for each in (*SIGNS, "failed")), ("·", say("text.not_sent"))]
-
-
-def varying_keys(cases: Sequence[Condition]) -> list[str]:
-    """The keys that take more than one value."""
-    keys = list(cases[0].varied) if cases else []
-    return [key for key in keys if len({repr(item.varied[key]) for item in cases}) > 1]
 
 
 SAFE: Final = 0.05

@@ -36,7 +36,7 @@ from reports.pages import conservator
 from reports.pages.page import page_blocks, write_report
 from reports.pages.stress_page import explanations, measured
 from reports.pages.study_page import matrix
-from reports.text.wording import Condition, conditions
+from reports.text.answers import Answers, Condition
 from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
@@ -111,7 +111,8 @@ def test_outside_its_domain_a_run_is_in_brackets_and_differs_from_none() -> None
     answers = {"analytic (own)": case_run(validity=tips), "pymunk (own)": case_run("overturned_left")}
     rows = {name: case_row(name.split()[0], run) for name, run in answers.items()}
     case = Condition({"motion.x.amplitude_g": 0.3}, rows)
-    ((varied, left, _),) = matrix(list(rows), [case], ["motion.x.amplitude_g"], ENGLISH).rows
+    other = Condition({"motion.x.amplitude_g": 0.4})
+    (varied, left, _), _ = matrix(Answers(list(rows), [case, other]), ENGLISH).rows
     assert isinstance(varied, Cell)
     assert isinstance(left, Cell)
     assert (varied.style, left.style) == ("", "o-other")
@@ -119,7 +120,7 @@ def test_outside_its_domain_a_run_is_in_brackets_and_differs_from_none() -> None
     keys = ["motion.x.amplitude_g", "motion.x.frequency_hz"]
     grid = itertools.product((0.3, 0.4, 0.5), (1.0, 2.0, 3.0))
     places = [Condition(dict(zip(keys, place, strict=True)), rows) for place in grid]
-    figures = map_figures(list(rows), places, keys)
+    figures = map_figures(Answers(list(rows), places, keys))
     assert set(part(dict(figures)["analytic (own)"], "cells")["kind"]) == {ENGLISH("text.map_other")}
 
 
@@ -133,7 +134,7 @@ def test_a_map_shows_what_was_not_asked(written: Callable[[str], Path], record_o
 
 def test_a_rose_gives_the_least_overturning_amplitude(record_of: Callable[[str], Any]) -> None:
     record = record_of("rose")
-    drawn = rose_picture(*conditions(record.rows))
+    drawn = rose_picture(Answers.of(record.rows))
     assert drawn is not None
     told = [str(each.text) for each in elements(drawn, "title")]
     assert [text.partition(", ")[2] for text in told if ", 0°" in text or ", 180°" in text] == [
@@ -255,7 +256,7 @@ def test_runs_without_an_end_are_told_and_no_share_of_falls_counts_them_as_stand
     assert (told.values["falls"], told.values["cases"], told.values["open"]) == (30, 63, 30)
     whole = answer_of(replace(record, headline=None, scores=None, rows=rows[:2])).findings[0]
     assert whole.values["open"] is None
-    figure = fragility_figure(*conditions(rows), "motion.x.amplitude_g")
+    figure = fragility_figure(Answers.of(rows), "motion.x.amplitude_g")
     assert figure is not None
     assert part(figure, "points")["y"] == [pytest.approx(10 / 11)] * 3
 
@@ -270,7 +271,7 @@ def test_a_shaking_is_as_strong_either_way_and_none_fits_nothing(levels: tuple[f
         for k, level in enumerate(levels)
         for place, end in enumerate(["overturned_left"] * (5 * k) + ["stands"] * (20 - 5 * k))
     ]  # fmt: skip
-    figure = fragility_figure(*conditions(rows), "motion.x.amplitude_g")
+    figure = fragility_figure(Answers.of(rows), "motion.x.amplitude_g")
     assert figure is not None
     assert part(figure, "points")["x"] == sorted(map(abs, levels))
     assert part(figure, "fits")["y"][-1] == pytest.approx(0.5, abs=0.2)

@@ -15,7 +15,8 @@ from reports.messages import ENGLISH
 from reports.pages.conservator import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
-from reports.text.wording import conditions, doubted
+from reports.text.answers import Answers
+from reports.text.wording import doubted
 from tests.reports.claim_scenes import content, write_scene
 from tests.reports.invented_study import study as study_record
 from tests.reports.page_parts import answer, form, pictures
@@ -108,7 +109,9 @@ def test_falls_are_counted_in_every_variant_and_colour_the_page(study: tuple[Pat
     left = any(doubted(row.run) for row in record.rows)
     assert (ENGLISH("study.more_outside", count="").strip() in said.headline) is left
     assert said.tone != "agree"
-    assert study_verdict(record, *conditions(record.rows), ENGLISH).tone != "agree", "it holds no probability of a fall"
+    assert study_verdict(record, Answers.of(record.rows, record.vary), ENGLISH).tone != "agree", (
+        "it holds no probability of a fall"
+    )
 
 
 def test_a_shaking_is_called_borne_where_no_model_falls_in_any_variant(study: tuple[Path, Path]) -> None:

@@ -2,9 +2,8 @@
 
 from harness.records.run import falls
 from reports.charts import Json
-from reports.charts.map_figures import map_axes
 from reports.charts.study_figures import curve_figures, design_figures
-from reports.text.wording import Condition
+from reports.text.answers import Answers, Condition
 from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
 
@@ -24,7 +23,7 @@ def lines(figure: Json) -> list[Json]:
 
 def test_one_axis_has_outcome_rotation_and_slip() -> None:
     cases = [condition(value) for value in (0.4, 0.2, 0.3)]
-    ((words, figure),) = curve_figures([MODEL], cases, [KEY])
+    ((words, figure),) = curve_figures(Answers([MODEL], cases, [KEY]))
     assert words == "By amplitude [g]"
     assert len(figure["vconcat"]) == 3
     runs = part(figure, "runs", MODEL)
@@ -40,7 +39,7 @@ def test_of_a_run_outside_its_domain_no_rotation_and_no_slip_are_drawn() -> None
     slides = {"left_domain_s": 0.1, "left_domain_by": "statue_slides"}
     run = case_run("stands", 0.2, peak_slip_m=0.002, validity=slides)
     cases = [condition(0.3), condition(0.25), Condition({KEY: 0.2, OTHER: 1.0}, {MODEL: case_row("analytic", run)})]
-    ((_, figure),) = curve_figures([MODEL], cases, [KEY])
+    ((_, figure),) = curve_figures(Answers([MODEL], cases, [KEY]))
     runs = part(figure, "runs", MODEL)
     assert runs["outcome"] == ["(stands)", "stands", "stands"]
     assert (runs["theta"], runs["slip"]) == ([None, 0.25, 0.3], [None, 2.5, 3.0])
@@ -52,25 +51,25 @@ def test_rounding_of_a_statue_at_rest_is_no_curve_and_no_map() -> None:
     """Charts of 3e-10 rad and 1e-6 mm filled their height, with axes of eleven decimals."""
     still = case_row("analytic", case_run("stands", 3e-10, peak_slip_m=1e-9))
     cases = [Condition({KEY: value, OTHER: other}, {MODEL: still}) for value in (1, 2, 3) for other in (1, 2, 3)]
-    ((_, figure),) = curve_figures([MODEL], cases[::3], [KEY])
+    ((_, figure),) = curve_figures(Answers([MODEL], cases[::3], [KEY]))
     assert len(figure["vconcat"]) == 1
-    assert design_figures([MODEL], cases, (OTHER, KEY)) == []
+    assert design_figures(Answers([MODEL], cases, [OTHER, KEY])) == []
 
 
 def test_draws_of_one_place_are_joined_by_no_line() -> None:
-    ((_, figure),) = curve_figures([MODEL], [condition(value) for value in (0.2, 0.2, 0.3, 0.4)], [KEY])
+    ((_, figure),) = curve_figures(Answers([MODEL], [condition(value) for value in (0.2, 0.2, 0.3, 0.4)], [KEY]))
     assert not lines(figure)
     assert len(part(figure, "runs", MODEL)["x"]) == 4
 
 
 def test_two_axes_make_a_map_and_no_curve() -> None:
     cases = [condition(value, other) for value in (0.2, 0.3, 0.4) for other in (1.0, 2.0, 3.0)]
-    assert map_axes(cases, [KEY, OTHER]) == (OTHER, KEY)
-    assert curve_figures([MODEL], cases, [KEY, OTHER]) == []
+    assert Answers([MODEL], cases, [KEY, OTHER]).plane == (OTHER, KEY)
+    assert curve_figures(Answers([MODEL], cases, [KEY, OTHER])) == []
 
 
 def test_two_values_beside_an_axis_are_a_chart_each() -> None:
     cases = [condition(value, other) for value in (0.2, 0.3, 0.4) for other in (1.0, 2.0 / 3.0)]
-    assert [words for words, _ in curve_figures([MODEL], cases, [KEY, OTHER])] == [
+    assert [words for words, _ in curve_figures(Answers([MODEL], cases, [KEY, OTHER]))] == [
         "By amplitude [g] · frequency [Hz] 1", "By amplitude [g] · frequency [Hz] 0.6667",
     ]  # fmt: skip

@@ -4,7 +4,7 @@ import re
 
 from reports.charts.study_figures import best_designs, design_figures
 from reports.messages import ENGLISH
-from reports.text.wording import Condition
+from reports.text.answers import Answers, Condition
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
 
@@ -19,6 +19,12 @@ def condition(width_m: float, height_m: float, *, slip_m: float, stands: bool = 
     return Condition({AXES[0]: width_m, AXES[1]: height_m}, {MODEL: case_row("analytic", run)})
 
 
+def designs(cases: list[Condition], axes: tuple[str, str] = AXES) -> Answers:
+    """These among further places of a map that nobody was asked."""
+    further = [Condition(dict.fromkeys(axes, value)) for value in (1.0, 2.0, 3.0)]
+    return Answers([MODEL], [*cases, *further], axes)
+
+
 DESIGNS = [
     condition(0.4, 0.5, slip_m=0.001),
     condition(0.8, 0.5, slip_m=0.03),
@@ -28,7 +34,7 @@ DESIGNS = [
 
 
 def test_the_best_design_stands_and_does_not_tip() -> None:
-    (found,) = best_designs([MODEL], DESIGNS, AXES)
+    (found,) = best_designs(designs(DESIGNS))
     assert found.code == "best_design"
     assert (found.values["good"], found.values["designs"], found.values["slip_m"]) == (2, 4, 0.02)
     assert found.values["at"] == dict(zip(AXES, (0.8, 0.2), strict=True))
@@ -37,20 +43,20 @@ def test_the_best_design_stands_and_does_not_tip() -> None:
 
 def test_none_of_several_designs_that_slide_alike_is_named_and_no_shaking_is_a_design() -> None:
     alike = [*DESIGNS, condition(0.8, 0.1, slip_m=0.0), condition(0.8, 0.3, slip_m=0.0)]
-    (found,) = best_designs([MODEL], alike, AXES)
+    (found,) = best_designs(designs(alike))
     assert (found.values["slip_m"], found.values["at"]) == (0.0, {})
     shaken = ("pedestal.width_m", "motion.x.amplitude_g")
     rows = [Condition(dict(zip(shaken, each.varied.values(), strict=True)), each.answers) for each in DESIGNS]
-    assert best_designs([MODEL], rows, shaken) == []
+    assert best_designs(designs(rows, shaken)) == []
 
 
 def test_where_no_design_holds_that_is_said() -> None:
-    (found,) = best_designs([MODEL], [DESIGNS[0], DESIGNS[3]], AXES)
+    (found,) = best_designs(designs([DESIGNS[0], DESIGNS[3]]))
     assert (found.code, found.values["designs"]) == ("no_design_stands", 2)
 
 
 def test_the_map_marks_the_places_that_tip() -> None:
-    (_, peak), (_, slip) = design_figures([MODEL], DESIGNS, AXES)
+    (_, peak), (_, slip) = design_figures(designs(DESIGNS))
     assert kind_at(peak, 0.4, 0.2) is None, "of a statue that falls no rotation is told"
     assert all(kind_at(peak, *place) is not None for place in ((0.8, 0.2), (0.4, 0.5), (0.8, 0.5)))
     told = {(x, y): tip for x, y, tip in zip(*(part(slip, "tips")[key] for key in ("x", "y", "tip")), strict=True)}
@@ -67,6 +73,6 @@ def test_the_map_marks_the_places_that_tip() -> None:
 
 def test_nothing_that_slides_makes_no_design_map() -> None:
     still = [condition(0.4, 0.2, slip_m=0.0), condition(0.8, 0.2, slip_m=0.0)]
-    assert best_designs([MODEL], still, AXES) == []
-    ((words, _),) = design_figures([MODEL], still, AXES)
+    assert best_designs(designs(still)) == []
+    ((words, _),) = design_figures(designs(still))
     assert words == ENGLISH("chart.map_peak", model=MODEL)

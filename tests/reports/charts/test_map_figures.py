@@ -12,7 +12,7 @@ from reports.charts.figure import DARK, SURFACES
 from reports.charts.map_figures import LINES, map_figures, number_map, trust_map
 from reports.charts.study_figures import place
 from reports.messages import ENGLISH, language
-from reports.text.wording import Condition
+from reports.text.answers import Answers, Condition
 from tests.budgets_reports import LEAST_OF_LINES
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_records import trust
@@ -50,7 +50,7 @@ def figures() -> dict[str, dict[str, Any]]:
     asked = explored()
     found = [condition(x, y, asked) for x in range(SIZE) for y in range(SIZE)]
     keys = ["motion.x.frequency_hz", "motion.x.amplitude_g"]
-    return dict(map_figures(["analytic (own)", "pybullet (own)"], found, keys))
+    return dict(map_figures(Answers(["analytic (own)", "pybullet (own)"], found, keys)))
 
 
 def test_where_nothing_falls_no_boundary_is_drawn() -> None:
@@ -59,7 +59,7 @@ def test_where_nothing_falls_no_boundary_is_drawn() -> None:
     for least, words in ((0, models), (8, [ENGLISH("chart.boundaries"), *models])):
         places = [(x, y) for x in range(4) for y in range(least, least + 4)]
         found = [condition(x, y, set(places)) for x, y in places]
-        assert [name for name, _ in map_figures(models, found, keys)] == words
+        assert [name for name, _ in map_figures(Answers(models, found, keys))] == words
 
 
 def test_what_a_pointer_is_told_is_written_in_the_readers_language() -> None:

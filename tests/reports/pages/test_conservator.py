@@ -25,6 +25,7 @@ from reports.pages import conservator
 from reports.pages.conservator import of_run, of_study
 from reports.source import RunSource, run_source
 from reports.text import wording
+from reports.text.answers import Answers
 from reports.text.giving_way import (
     bearing,
     compass,
@@ -36,7 +37,6 @@ from reports.text.giving_way import (
     weakest_pushes,
     weakest_words,
 )
-from reports.text.wording import conditions
 from tests.budgets_reports import PUSH, SAMPLED_M, SHADOW_SHARE
 from tests.reports.page_parts import answer, form, lines, pictures, spoken
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
@@ -316,7 +316,7 @@ def test_a_strength_holds_all_that_the_scene_multiplies_the_shaking_by(
 
 def test_what_the_pedestal_prevents_is_counted_by_condition(record_of: Callable[[str], Any]) -> None:
     record = record_of("table")
-    found = pedestal_effect(record, *conditions(record.rows))
+    found = pedestal_effect(record, Answers.of(record.rows))
     told = found[0].values
     assert (told["total"], told["bare"], told["prevented"], told["caused"]) == (30, 12, 6, 0)
     figures = {each.name: each.figure for each in found[1]}
@@ -332,7 +332,7 @@ def test_a_run_without_an_end_is_neither_prevented_nor_a_stand(record_of: Callab
         else row
         for row in record.rows
     ]
-    found = pedestal_effect(record, *conditions(rows))
+    found = pedestal_effect(record, Answers.of(rows))
     assert found is not None
     told, charts = found
     assert (told.values["total"], told.values["prevented"]) == (0, 0)
@@ -348,12 +348,12 @@ def test_a_pedestal_that_tips_is_no_stand_of_a_model_that_holds_it_upright(recor
         else row
         for row in record.rows
     ]
-    found = pedestal_effect(record, *conditions(rows))
+    found = pedestal_effect(record, Answers.of(rows))
     assert found is not None
     assert found[0].values["model"].startswith("pymunk"), "which knows what becomes of it"
     assert found[0].values["total"] == 30
     alone = [row for row in rows if row.model == "analytic (own impact)"]
-    told = pedestal_effect(record, *conditions(alone))
+    told = pedestal_effect(record, Answers.of(alone))
     assert told is not None
     assert (told[0].values["total"], told[0].values["prevented"]) == (0, 0)
     borne = answer(conservator.of_study(replace(record, rows=alone))).points
@@ -416,13 +416,13 @@ def test_the_axes_of_a_map_have_units(record_of: Callable[[str], Any]) -> None:
 def test_a_frequency_that_is_kept_is_no_number(record_of: Callable[[str], Any]) -> None:
     record = record_of("table")
     rows = [replace(row, varied={**row.varied, "motion.x.frequency_hz": "keep"}) for row in record.rows]
-    found = pedestal_effect(record, *conditions(rows))
+    found = pedestal_effect(record, Answers.of(rows))
     assert not found[1]
 
 
 def test_a_study_without_pedestals_has_no_such_effect(record_of: Callable[[str], Any]) -> None:
     record = record_of("map")
-    assert pedestal_effect(record, *conditions(record.rows)) is None
+    assert pedestal_effect(record, Answers.of(record.rows)) is None
 
 
 def test_the_silhouette_is_the_meshs_shadow(written: Callable[[str], Path]) -> None:
