@@ -199,28 +199,24 @@ def horizon(
     reference = run(scene)
     if reference.history is None:
         raise EngineFailure(reference.message or "the unperturbed run has no history")
-    outcomes, failed, flips = {reference.outcome}, 0, None
-    until: list[float] = []
-    rates: list[float] = []
+    own, path = reference.outcome, reference.history
+
+    def same(end: Outcome) -> bool:
+        # Beside one that overturns what is undecided still falls as the scene ends.
+        falls = Outcome.UNDECIDED in (end, own) and (end.overturned or own.overturned)
+        return falls or end.same_as(own) or end is Outcome.LIFT_OFF
+
+    outcomes, failed, flips = {own}, 0, None
+    until, rates = list[float](), list[float]()
     for size in perturbations:
-        until.append(scene.duration_s)
-        parted = False
-        for variant in perturbed(scene, size):
-            other = _tried(run, variant)
-            if other is None or other.history is None:
-                failed += 1
-                continue
-            outcomes.add(other.outcome)
-            ends = {other.outcome, reference.outcome}
-            # Beside one that overturns what is undecided still falls as the scene ends.
-            falls = Outcome.UNDECIDED in ends and any(end.overturned for end in ends)
-            same = falls or other.outcome.same_as(reference.outcome) or other.outcome is Outcome.LIFT_OFF
-            if flips is None and not same:
-                flips = size
-            time_s = parted_s(other.history, reference.history, tolerance_rad)
-            if time_s is not None:
-                parted = True
-                until[-1] = min(until[-1], time_s)
+        tried = [_tried(run, variant) for variant in perturbed(scene, size)]
+        known = [each for each in tried if each is not None]
+        failed += len(tried) - len(known)
+        outcomes |= {end for end, _ in known}
+        if flips is None and not all(same(end) for end, _ in known):
+            flips = size
+        parted = [time_s for _, other in known if (time_s := parted_s(other, path, tolerance_rad)) is not None]
+        until.append(min([scene.duration_s, *parted]))
         if parted and size < tolerance_rad and until[-1] > 0.0:
             rates.append(math.log(tolerance_rad / size) / until[-1])
     # A larger perturbation cannot be predicted for longer; where chance lets it, the shorter time holds.
@@ -238,15 +234,16 @@ def horizon(
     )
 
 
-def _tried(run: Callable[[Scene], Run], scene: Scene) -> Run | None:
+def _tried(run: Callable[[Scene], Run], scene: Scene) -> tuple[Outcome, History] | None:
+    """How a perturbed run ends, and its path; None of one that has no path that could part from another."""
     try:
         tried = run(scene)
     except EngineFailure:
         return None
-    # A run that ends because no mode was found, or that was given up, has no path that could part from another.
+    # It ends because no mode was found, or was given up.
     ended = tried.outcome.failed or tried.outcome is Outcome.FRICTION_PARADOX
     given_up = tried.outcome is Outcome.UNDECIDED and tried.end_s < scene.duration_s
-    return None if ended or given_up else tried
+    return None if ended or given_up or tried.history is None else (tried.outcome, tried.history)
 
 
 def parted_s(a: History, b: History, tolerance_rad: float) -> float | None:

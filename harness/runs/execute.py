@@ -6,7 +6,7 @@ import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import groupby, islice
 from pathlib import Path
 from typing import Any, Final
@@ -95,26 +95,14 @@ def numbers_of(records: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
     return numbers | peaks | {name: np.array(values) for name, values in counts.items()}
 
 
-@dataclass(frozen=True)
-class Finished:
-    """What a worker gives back: an answer for each task, packed, and seconds: all, and each task's overhead."""
-
-    answers: Sequence[Packed]
-    failed: int
-    busy_s: float
-    outside_s: Sequence[float]
-
-
-def compute(batch: Sequence[Task]) -> Finished:
+def compute(batch: Sequence[Task]) -> list[Packed]:
     """What a worker does: each task of a batch, and its answer packed."""
-    begin, failed, answers, outside_s = time.perf_counter(), 0, [], []
+    answers = []
     for task in batch:
-        start = time.perf_counter()
-        answer = task.work(task.argument)
-        failed += answer.failed
-        answers.append(packed(task.key, answer))
-        outside_s.append(time.perf_counter() - start - answer.inside_s)
-    return Finished(answers, failed, time.perf_counter() - begin, outside_s)
+        begin = time.perf_counter()
+        answer = packed(task.key, task.work(task.argument))
+        answers.append(replace(answer, busy_s=time.perf_counter() - begin))
+    return answers
 
 
 def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1) -> Iterator[tuple[Task, ...]]:
@@ -176,11 +164,13 @@ class Campaign:
         self._expected += expected
         again: list[tuple[Task, ...]] = []
 
-        def done(batch: tuple[Task, ...], result: Finished | Crash) -> None:
-            if isinstance(result, Crash) and len(batch) > 1:
+        def done(batch: tuple[Task, ...], result: list[Packed] | Crash) -> None:
+            if not isinstance(result, Crash):
+                self._keep(batch, result)
+            elif len(batch) > 1:
                 again.extend((task,) for task in batch)
             else:
-                self._keep(batch, _lost(batch[0], result) if isinstance(result, Crash) else result)
+                self._keep(batch, self._lost(batch[0], result))
 
         try:
             self._pool.run(compute, batches(self._left(tasks), self._sizes, self._otherwise), done)
@@ -206,16 +196,25 @@ class Campaign:
             # What costs nothing is not counted: the rate at which the others finish tells the time that is left.
             self._expected -= task.runs * (task.group not in self._free)
 
-    def _keep(self, batch: Sequence[Task], result: Finished) -> None:
+    def _lost(self, task: Task, crash: Crash) -> list[Packed]:
+        """What a task gives whose worker died."""
+        if task.lost is None:
+            self.failed += task.runs
+            return []
+        return [replace(packed(task.key, task.lost(task.argument, crash)), failed=1)]
+
+    def _keep(self, batch: Sequence[Task], answers: Sequence[Packed]) -> None:
         now_s = time.perf_counter()
-        self._store.add(result.answers, now_s - self._clock_s)
+        self._store.add(answers, now_s - self._clock_s)
         self._clock_s = now_s
         runs = sum(task.runs for task in batch)
         self.computed += runs
         self._told += runs * (batch[0].group not in self._free)
-        self.failed += result.failed
-        self._busy_s += result.busy_s
-        self._outside_s += [seconds / task.runs for task, seconds in zip(batch, result.outside_s, strict=False)]
+        for task, answer in zip(batch, answers, strict=False):
+            self.failed += answer.failed
+            if answer.busy_s > 0.0:  # what was lost took nobody's time that is known
+                self._busy_s += answer.busy_s
+                self._outside_s.append((answer.busy_s - answer.inside_s) / task.runs)
         self._say_progress()
 
     def usage(self) -> UsageRecord:
@@ -238,10 +237,3 @@ class Campaign:
 
     def _say_progress(self) -> None:
         self._on_progress(self._told, max(self._expected, self._told))
-
-
-def _lost(task: Task, crash: Crash) -> Finished:
-    """What a task gives whose worker died."""
-    if task.lost is None:
-        return Finished((), task.runs, 0.0, ())
-    return Finished([packed(task.key, task.lost(task.argument, crash))], 1, 0.0, ())

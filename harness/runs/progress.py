@@ -28,11 +28,13 @@ the median, the time left is then within 1.5 of the truth from a tenth on in 93 
 
 
 class ProgressMessages:
-    """Says what is at work: a spinner with the time spent on a terminal, lines elsewhere, nothing when quiet."""
+    """Says what is at work: on a terminal a spinner with the time spent, and a bar of what it `counts`; lines elsewhere, nothing
+    when quiet.
+    """
 
-    def __init__(self, quiet: bool, silent_s: float = SILENT_S) -> None:
+    def __init__(self, quiet: bool, silent_s: float = SILENT_S, *, counts: bool = False) -> None:
         self._lines = not quiet and not sys.stderr.isatty()
-        self._bar = None if quiet or self._lines else _spinner()
+        self._bar = None if quiet or self._lines else _bar(counts)
         self._silent_s = silent_s
         self.left: Callable[[], str] = lambda: ""
         """What a reminder says of the time that is left."""
@@ -84,11 +86,12 @@ class ProgressMessages:
             words, self._before = self._before, None
         self.later(words, self._now[1])
 
-    def later(self, words: str, since_s: float | None = None) -> None:
-        """What the spinner shows, and a reminder tells from now on, without a line now."""
+    def later(self, words: str, since_s: float | None = None, counted: tuple[int, int] | None = None) -> None:
+        """What the spinner shows, and a reminder tells from now on, without a line now; how many of how many are done."""
         self._now = (words, time.monotonic() if since_s is None else since_s)
         if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], description=words)
+            done, total = counted or (None, None)
+            self._bar.update(self._bar.task_ids[0], description=words + self.left(), completed=done, total=total)
 
     def say(self, words: str) -> None:
         """Tell this once."""
@@ -105,13 +108,14 @@ class ProgressMessages:
                 self.say(f"{words}: {time.monotonic() - since:.0f} s so far{self.left()}")
 
 
-def _spinner() -> Progress:
+def _bar(counts: bool) -> Progress:
     """A spinner with the time spent; what draws it takes a twentieth of a second to import, and only a terminal needs it."""
     from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-    bar = Progress(*columns, console=Console(stderr=True, markup=False, emoji=False), transient=True)
+    count = [BarColumn()] if counts else []
+    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), *count, TimeElapsedColumn()
+    bar = Progress(*columns, console=Console(stderr=True, markup=False, emoji=False), transient=not counts)
     bar.add_task("reading", total=None)
     return bar
 
@@ -126,7 +130,7 @@ def progress(
     each_s: float = 0.0,
     after_s: float = 0.0,
     grows: bool = False,
-) -> Iterator[Any]:
+) -> Iterator[Callable[[int, int], None]]:
     """A bar with the time left on a terminal, lines elsewhere; yields `on_progress(done, all)`; `size` is said first.
 
     The time left is by the clock, from the rate at which tasks finished lately: it holds whatever else the machine does. The
@@ -134,61 +138,43 @@ def progress(
     hand at the end takes them one after another out of work; `after_s` is what follows the last task.
     Of tasks that ask for others (it `grows`) none is told.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True, quiet=quiet, markup=False, emoji=False)
     title = printable(title)
-    if size:
-        console.print(printable(size), highlight=False, soft_wrap=True)
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[left]}"),
-    )
-    with ExitStack() as stack:
-        bar = Progress(*columns, console=console, disable=quiet or not console.is_terminal)
-        bar = stack.enter_context(bar)
-        lines = ProgressMessages(quiet or console.is_terminal)
-        stack.enter_context(lines)
-        task = bar.add_task(title, total=None, left="")
-        # The bar's own rate begins with the first tasks that finish: two blocks that finish together would be infinitely fast.
-        samples: deque[tuple[float, int]] = deque()
-        wanted = 0
-        said = -1
+    # The bar's own rate begins with the first tasks that finish: two blocks that finish together would be infinitely fast.
+    samples: deque[tuple[float, int]] = deque()
+    wanted, said = 0, -1
 
-        def on_progress(done: int, total: int) -> None:
-            nonlocal said, wanted
-            wanted = total
-            samples.append((time.monotonic(), done))
-            while len(samples) > 2 and samples[1][0] < samples[-1][0] - RATE_S:
-                samples.popleft()
-            bar.update(task, completed=done, total=total, left=left())
-            tenth = 10 * done // total if total else 10
-            # Nothing that costs is known yet.
-            words = f"{title}: {done} of {counted(total, 'run')}" if total else title
-            if tenth != said:
-                lines.now(words + left())
-            # A reminder says the time that is left as it is then.
-            lines.later(words)
-            said = tenth
+    def on_progress(done: int, total: int) -> None:
+        nonlocal said, wanted
+        wanted = total
+        samples.append((time.monotonic(), done))
+        while len(samples) > 2 and samples[1][0] < samples[-1][0] - RATE_S:
+            samples.popleft()
+        tenth = 10 * done // total if total else 10
+        # Nothing that costs is known yet.
+        words = f"{title}: {done} of {counted(total, 'run')}" if total else title
+        if tenth != said:
+            messages.now(words + left())
+        # A reminder says the time that is left as it is then.
+        messages.later(words, counted=(done, total))
+        said = tenth
 
-        def left() -> str:
-            if grows or not samples:
-                return ""
-            (begin_s, before), (_, done) = samples[0], samples[-1]
-            known = FORECAST_TASKS * (each_s > 0.0)
-            if done - before + known == 0 or done >= wanted:
-                return ""
-            rate_s = (time.monotonic() - begin_s + known * each_s) / (done - before + known)
-            # The last of n tasks of chance lengths that run at once takes 1 + 1/2 + … + 1/n times their mean.
-            last = min(wanted - done, workers)
-            in_hand = workers * sum(1.0 / k for k in range(1, last + 1))
-            return f", about {duration_words(rate_s * (wanted - done - last + in_hand) + after_s)} left"
+    def left() -> str:
+        if grows or not samples:
+            return ""
+        (begin_s, before), (_, done) = samples[0], samples[-1]
+        known = FORECAST_TASKS * (each_s > 0.0)
+        if done - before + known == 0 or done >= wanted:
+            return ""
+        rate_s = (time.monotonic() - begin_s + known * each_s) / (done - before + known)
+        # The last of n tasks of chance lengths that run at once takes 1 + 1/2 + … + 1/n times their mean.
+        last = min(wanted - done, workers)
+        in_hand = workers * sum(1.0 / k for k in range(1, last + 1))
+        return f", about {duration_words(rate_s * (wanted - done - last + in_hand) + after_s)} left"
 
-        lines.left = left
+    with ProgressMessages(quiet, counts=True) as messages:
+        if size:
+            messages.say(printable(size))
+        messages.left = left
         yield on_progress
 
 

@@ -83,16 +83,18 @@ def unpack_table(heads: str, samples: int, data: bytes) -> dict[str, NDArray[Any
 
 @dataclass(frozen=True)
 class Packed:
-    """One result as the store takes it: its row, the seconds that it took, its history or table with its checksum."""
+    """One result as the store takes it: its row, the seconds that it took, its history or table with its checksum.
+
+    Beside it how many of its runs failed, and of this call the seconds that its worker was at it, those inside the engine among
+    them.
+    """
 
     columns: tuple[str, str, str, int, int]
     seconds: float
     history: tuple[str, int, bytes, int] | None
-
-    @property
-    def key(self) -> str:
-        """What names it."""
-        return self.columns[0]
+    failed: int = 0
+    inside_s: float = 0.0
+    busy_s: float = 0.0
 
 
 def record_sum(key: str, kind: str, record: str, has_history: int) -> int:
@@ -112,13 +114,13 @@ def packed(key: str, answer: TaskResult) -> Packed:
     table = None if answer.history is None else answer.history.columns()
     row = key, answer.kind, text, int(table is not None or answer.table is not None)
     columns = (*row, record_sum(*row))
+    kept = None
     if answer.table is not None:
         kept = pack_table(answer.table)
     elif table is not None:
         kept = ",".join(table), len(table["t_s"]), pack(np.stack(list(table.values())))
-    else:
-        return Packed(columns, answer.seconds, None)
-    return Packed(columns, answer.seconds, (*kept, history_sum(key, *kept)))
+    history = None if kept is None else (*kept, history_sum(key, *kept))
+    return Packed(columns, answer.seconds, history, answer.failed, answer.inside_s)
 
 
 STORE_NAME: Final = STORE
@@ -255,8 +257,8 @@ class Store:
 
         `clock_s` is the time by the clock since the results before: that of many workers together.
         """
-        histories = [(item.key, *item.history) for item in results if item.history is not None]
-        seconds = [(item.key, item.seconds, clock_s / len(results)) for item in results]
+        histories = [(item.columns[0], *item.history) for item in results if item.history is not None]
+        seconds = [(item.columns[0], item.seconds, clock_s / len(results)) for item in results]
         with self._writing():
             self._db.executemany("INSERT OR IGNORE INTO result VALUES (?,?,?,?,?)", [item.columns for item in results])
             self._db.executemany("INSERT OR IGNORE INTO timing VALUES (?,?,?)", seconds)

@@ -230,37 +230,34 @@ class Matched:
     alone_a: int
     alone_b: int
 
-    def within(self, time_a: Array, time_b: Array, begin_s: float, end_s: float) -> Matched:
-        """Only the pairs whose event in b, and the events alone, that come from begin to end; `time_*` are all events' times."""
-        there_a, there_b = ((begin_s <= times) & (times <= end_s) for times in (time_a, time_b))
-        both = there_b[self.index_b]
-        alone = [
-            int(np.sum(np.delete(there, index))) for there, index in ((there_a, self.index_a), (there_b, self.index_b))
-        ]
-        return Matched(self.index_a[both], self.index_b[both], *alone)
+
+ALWAYS: Final = (-math.inf, math.inf)
+Events = tuple[Array, Signs, Array]
+"""Of each event its time, s, its side, and how far from it the same event of another history may be, s."""
 
 
-def match(time_a: Array, side_a: Signs, window_a: Array, time_b: Array, side_b: Signs, window_b: Array) -> Matched:
+def match(a: Events, b: Events, common_s: tuple[float, float] = ALWAYS) -> Matched:
     """Pair events that are each other's nearest on the same side and no further apart than both allow.
 
-    Mutual nearest neighbours on a line never cross, so the order of time is kept.
+    Pairs whose event in b, and events alone, come before or after the stretch `common_s` are left out. Mutual nearest neighbours
+    on a line never cross, so the order of time is kept.
     """
-    indices_a: list[NDArray[np.intp]] = []
-    indices_b: list[NDArray[np.intp]] = []
+    (time_a, side_a, window_a), (time_b, side_b, window_b) = a, b
+    pairs = [np.zeros((2, 0), dtype=np.intp)]
     for side in (-1, 1):
-        ia, ib = np.flatnonzero(side_a == side), np.flatnonzero(side_b == side)
-        if ia.size == 0 or ib.size == 0:
-            continue
-        to_b, to_a = _nearest(time_a[ia], time_b[ib]), _nearest(time_b[ib], time_a[ia])
-        mutual = to_a[to_b] == np.arange(ia.size)
-        pair_a, pair_b = ia[mutual], ib[to_b[mutual]]
-        close = np.abs(time_a[pair_a] - time_b[pair_b]) <= np.minimum(window_a[pair_a], window_b[pair_b])
-        indices_a.append(pair_a[close])
-        indices_b.append(pair_b[close])
-    a = np.concatenate(indices_a) if indices_a else np.zeros(0, dtype=np.intp)
-    b = np.concatenate(indices_b) if indices_b else np.zeros(0, dtype=np.intp)
-    order = np.argsort(a, kind="stable")
-    return Matched(a[order], b[order], time_a.size - a.size, time_b.size - b.size)
+        of_a, of_b = np.flatnonzero(side_a == side), np.flatnonzero(side_b == side)
+        if of_a.size and of_b.size:
+            to_b, to_a = _nearest(time_a[of_a], time_b[of_b]), _nearest(time_b[of_b], time_a[of_a])
+            mutual = to_a[to_b] == np.arange(of_a.size)
+            i, j = of_a[mutual], of_b[to_b[mutual]]
+            close = np.abs(time_a[i] - time_b[j]) <= np.minimum(window_a[i], window_b[j])
+            pairs.append(np.stack([i[close], j[close]]))
+    matched = np.concatenate(pairs, axis=1)
+    index_a, index_b = matched[:, np.argsort(matched[0], kind="stable")]
+    there_a, there_b = ((common_s[0] <= times) & (times <= common_s[1]) for times in (time_a, time_b))
+    alone = (int(np.delete(there, index).sum()) for there, index in ((there_a, index_a), (there_b, index_b)))
+    inside = there_b[index_b]
+    return Matched(index_a[inside], index_b[inside], *alone)
 
 
 def _nearest(from_s: Array, to_s: Array) -> NDArray[np.intp]:
@@ -271,8 +268,6 @@ def _nearest(from_s: Array, to_s: Array) -> NDArray[np.intp]:
 
 # Scores of events: matched uplifts and impacts.
 
-ALWAYS: Final = (-math.inf, math.inf)
-
 
 def event_scores(
     a: Excursions, b: Excursions, inertia: Inertia | None, common_s: tuple[float, float] = ALWAYS
@@ -281,14 +276,15 @@ def event_scores(
     events alone, come before or after the stretch `common_s` are left out."""
     rise_a, rise_b = a.from_rest, b.from_rest
     up_a, up_b = a.uplift_s[rise_a], b.uplift_s[rise_b]
-    uplifts = match(up_a, a.side[rise_a], a.length_s[rise_a], up_b, b.side[rise_b], b.length_s[rise_b])
-    uplifts = uplifts.within(up_a, up_b, *common_s)
+    uplifts = match((up_a, a.side[rise_a], a.length_s[rise_a]), (up_b, b.side[rise_b], b.length_s[rise_b]), common_s)
     down_a, down_b = a.landed, b.landed
     times_a, times_b = a.impact_s[down_a], b.impact_s[down_b]
     # An impact is the same one when it is off by less than half the excursion that it ends.
     impacts = match(
-        times_a, a.side[down_a], 0.5 * a.length_s[down_a], times_b, b.side[down_b], 0.5 * b.length_s[down_b]
-    ).within(times_a, times_b, *common_s)
+        (times_a, a.side[down_a], 0.5 * a.length_s[down_a]),
+        (times_b, b.side[down_b], 0.5 * b.length_s[down_b]),
+        common_s,
+    )
     index_a, index_b = np.flatnonzero(down_a)[impacts.index_a], np.flatnonzero(down_b)[impacts.index_b]
     share_a, share_b = share_lost(a, inertia)[index_a], share_lost(b, inertia)[index_b]
     return {

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import statistics
-from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import zip_longest
 from typing import Final
 
 from harness import engines
@@ -185,21 +185,15 @@ def _choice(rows: Sequence[PrecisionRow], target_rad: float) -> LevelChoice | No
     taken = {row.scene: row for row in rows if row.group == TARGET and row.failed is None}
     if not taken:
         return None
+    by_scene = grouped((row.scene, row) for row in rows if row.group == LEVEL and row.scene in taken)
     # By its place among the levels: one level may have other iterations on another scene.
-    levels: dict[int, dict[str, PrecisionRow]] = defaultdict(dict)
-    passed: dict[str, int] = defaultdict(int)
-    for row in rows:
-        if row.group == LEVEL and row.scene in taken:
-            if row.failed is None:
-                levels[passed[row.scene]][row.scene] = row
-            passed[row.scene] += 1
-    whole = [
-        by for by in levels.values() if set(by) == set(taken) and all(row.meets(target_rad) for row in by.values())
+    levels = [
+        {row.scene: row for row in at if row is not None and row.failed is None}
+        for at in zip_longest(*by_scene.values())
     ]
+    whole = [by for by in levels if set(by) == set(taken) and all(row.meets(target_rad) for row in by.values())]
     fixed_s = min((sum(row.cpu_s or 0.0 for row in by.values()) for by in whole), default=None)
-    good = grouped(
-        (scene, row.cpu_s or 0.0) for by in levels.values() for scene, row in by.items() if row.meets(target_rad)
-    )
+    good = grouped((scene, row.cpu_s or 0.0) for by in levels for scene, row in by.items() if row.meets(target_rad))
     times = {scene: (row.cpu_s or 0.0) / min(good[scene]) for scene, row in taken.items() if scene in good}
     total_s = sum(row.cpu_s or 0.0 for row in taken.values())
     worst = max(times, key=lambda scene: times[scene], default=None)

@@ -16,6 +16,7 @@ import numpy as np
 
 from harness.accuracy.simulation import simulate
 from harness.model.finding import Finding, info
+from harness.model.run_set import grouped
 from harness.model.scene import Scene
 from harness.questions.bench.cost import cost, largest_child_mb, peak_memory_mb
 from harness.questions.bench.skips import written_study
@@ -109,18 +110,16 @@ def _workers(jobs: int) -> tuple[float, float, float]:
 def findings(rows: Sequence[ScalingRow]) -> list[Finding]:
     """The power of each quantity with which time grows between its two largest values; of workers how much faster they are."""
     found = []
-    for engine, quantity in dict.fromkeys((row.engine, row.quantity) for row in rows):
-        mine = sorted(
-            (row for row in rows if (row.engine, row.quantity) == (engine, quantity)), key=lambda row: row.value
-        )
+    asked = grouped(((row.engine, row.quantity), row) for row in rows)
+    for (engine, quantity), mine in asked.items():
         if len(mine) < 2:
             continue
-        less, more = mine[-2:]
+        less, more = sorted(mine, key=lambda row: row.value)[-2:]
         if quantity == "workers":
             times = less.wall_s / more.wall_s
             found.append(info("workers_faster", workers=more.value, fewer=less.value, times=times))
-            continue
-        times_s = [row.wall_s if row.cpu_s is None else row.cpu_s for row in (less, more)]
-        power = math.log(times_s[1] / times_s[0]) / math.log(more.value / less.value)
-        found.append(info("time_grows", power=power, quantity=quantity).of(engine))
+        else:
+            times_s = [row.wall_s if row.cpu_s is None else row.cpu_s for row in (less, more)]
+            power = math.log(times_s[1] / times_s[0]) / math.log(more.value / less.value)
+            found.append(info("time_grows", power=power, quantity=quantity).of(engine))
     return found

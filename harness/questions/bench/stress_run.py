@@ -85,7 +85,7 @@ def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: 
         for settings in engine.refinement_levels(scene):
             run = engine.simulate(scene, settings, RunOptions())
             label = f"{settings.expected_error_rad:g} rad"
-            yield _judged(StabilityCell(engine.name, label, row.name, ""), scene, run, exact, row)
+            yield judge(StabilityCell(engine.name, label, row.name, ""), scene, run, exact, row)
         return
     for step_s in STEPS_S[1:3] if quick else STEPS_S:
         short = step_s == STEPS_S[-1]
@@ -108,26 +108,21 @@ def _of_step(
 ) -> StabilityCell:
     """The cell of a run with nothing left out; diverged where the engine gives up."""
     try:
-        return _judged(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
+        return judge(cell, scene, engine.simulate(scene, settings, NONE), exact, row)
     except EngineFailure as failure:
         return replace(cell, category="diverged", message=str(failure))
 
 
-def _judged(cell: StabilityCell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> StabilityCell:
-    category, evidence, message = judge(scene, run, exact, row.at_rest)
-    return replace(cell, category=category, evidence=evidence, message=message)
-
-
-def judge(scene: Scene, run: Run, exact: Run, at_rest: bool) -> tuple[str, list[Measure], str]:
-    """Category, evidence and message of one run against the exact solution."""
+def judge(cell: StabilityCell, scene: Scene, run: Run, exact: Run, row: Difficulty) -> StabilityCell:
+    """The cell with category, evidence and message of one run against the exact solution."""
     if run.outcome.failed or run.history is None or exact.history is None:
-        return "diverged", [], run.message or run.outcome.value
+        return replace(cell, category="diverged", message=run.message or run.outcome.value)
     right = hard.agrees(scene, run, exact)
     if not math.isfinite(hard.error_rad(run, exact)):
-        return "diverged", [Measure("finite", holds=False)], ""
-    drifts = [*hard.energy(scene, run), *hard.depth(scene, run), *(hard.creep(scene, run) if at_rest else [])]
+        return replace(cell, category="diverged", evidence=[Measure("finite", holds=False)])
+    drifts = [*hard.energy(scene, run), *hard.depth(scene, run), *(hard.creep(scene, run) if row.at_rest else [])]
     category = "inaccurate" if not hard.all_hold(right) else "stable" if hard.all_hold(drifts) else "drifting"
-    return category, [*right, *drifts], ""
+    return replace(cell, category=category, evidence=[*right, *drifts])
 
 
 def _step(step_s: float) -> str:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
@@ -20,6 +21,7 @@ from harness.model import run as record
 from harness.model.errors import InputError, Mistake
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.history import Outcome
+from harness.model.run_set import grouped
 from harness.model.scene import Scene, scan_azimuth_deg, written
 from harness.questions.effects3d.search import (
     CONDITIONS,
@@ -109,25 +111,24 @@ def _projected(azimuth_deg: float, sides: Sequence[Amplitude]) -> tuple[float | 
 def effects(rows: Sequence[Amplitude], conditions: Sequence[str]) -> list[Effect]:
     """For every engine and condition how much the overturning amplitude changes: by direction, median, least and largest."""
     base = {(row.engine, row.azimuth_deg): row.peak_g for row in rows if row.condition == BASELINE}
-    by_engine = []
-    for engine in dict.fromkeys(row.engine for row in rows):
-        for condition in conditions:
-            mine = [row for row in rows if row.condition == condition and row.engine == engine]
-            if not mine:
-                continue
-            changes = [
-                AmplitudeChange(row.azimuth_deg, row.peak_g / unchanged - 1.0)
-                for row in mine
-                for unchanged in [base[engine, row.azimuth_deg]]
-                if row.peak_g is not None and unchanged is not None
-            ]
-            values = [item.relative for item in changes]
-            median = float(np.median(values)) if values else None
-            least, largest = min(values, default=None), max(values, default=None)
-            group = CONDITIONS[condition].group
-            flips = sum(row.peak_g is None for row in mine)
-            by_engine.append(Effect(engine, condition, group, changes, median, least, largest, flips))
-    return by_engine
+    asked = grouped(((row.engine, row.condition), row) for row in rows)
+    found = []
+    every = product(dict.fromkeys(row.engine for row in rows), conditions)
+    for engine, condition in (each for each in every if each in asked):
+        mine = asked[engine, condition]
+        changes = [
+            AmplitudeChange(row.azimuth_deg, row.peak_g / unchanged - 1.0)
+            for row in mine
+            for unchanged in [base[engine, row.azimuth_deg]]
+            if row.peak_g is not None and unchanged is not None
+        ]
+        values = [item.relative for item in changes]
+        median = float(np.median(values)) if values else None
+        least, largest = min(values, default=None), max(values, default=None)
+        flips = sum(row.peak_g is None for row in mine)
+        group = CONDITIONS[condition].group
+        found.append(Effect(engine, condition, group, changes, median, least, largest, flips))
+    return found
 
 
 # One case of an effects study run with histories, to be watched: where 3D leaves the plane most.

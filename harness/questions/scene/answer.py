@@ -12,6 +12,7 @@ import numpy as np
 from harness.model.finding import Answer, Finding, changes_answer, info
 from harness.model.history import Outcome
 from harness.model.run import Run, number
+from harness.model.run_set import grouped
 from harness.model.scene import Scene
 from harness.records.assess import Assessment
 from harness.records.run import (
@@ -116,14 +117,10 @@ def _code(known: Mapping[str, Run], scores: Sequence[Scores]) -> Code:
 
 def _what(scene: Scene, known: Mapping[str, Run], runs: Mapping[str, Run]) -> Finding:
     """What happens as given, and who says so."""
-    groups: dict[str, list[str]] = {}
     if not known:
-        for name, run in runs.items():
-            if not outside_domain(run):
-                groups.setdefault(run.outcome.value, []).append(name)
-        return changes_answer("no_answer", asked=len(runs), ends=groups)
-    for name, run in known.items():
-        groups.setdefault(outcome_family(run.outcome), []).append(name)
+        ends = grouped((run.outcome.value, name) for name, run in runs.items() if not outside_domain(run))
+        return changes_answer("no_answer", asked=len(runs), ends=ends)
+    groups = grouped((outcome_family(run.outcome), name) for name, run in known.items())
     if len(groups) > 1:
         return changes_answer("models_disagree", groups=groups)
     family = next(iter(groups))

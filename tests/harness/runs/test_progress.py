@@ -30,7 +30,9 @@ def test_quiet_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_study_is_never_long_silent(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Nothing finishes for a while: the line of what is done comes again, with the time since."""
-    monkeypatch.setattr(telling, "ProgressMessages", lambda quiet: ProgressMessages(quiet, silent_s=0.05))
+    monkeypatch.setattr(
+        telling, "ProgressMessages", lambda quiet, counts: ProgressMessages(quiet, silent_s=0.05, counts=counts)
+    )
     with progress("study", quiet=False) as told:
         told(0, 40)
         told(1, 40)

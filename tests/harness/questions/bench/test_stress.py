@@ -186,18 +186,23 @@ def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
 
 
 def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
+    def judged(run: Run, truth: Run = exact, at_rest: bool = False) -> StabilityCell:
+        row = stress_run.Difficulty("hard", {}, at_rest=at_rest)
+        return stress_run.judge(StabilityCell("pymunk", "1 ms", row.name, ""), scene, run, truth, row)
+
     h = exact.history
-    assert stress_run.judge(scene, exact, exact, False)[0] == "stable"
+    assert judged(exact).category == "stable"
     wrong = replace(h, theta_rad=1.1 * h.theta_rad)
-    assert stress_run.judge(scene, replace(exact, history=wrong), exact, False)[0] == "inaccurate"
+    assert judged(replace(exact, history=wrong)).category == "inaccurate"
     gained = replace(exact, validity={"energy_gained_j": hard_scenes.barrier_j(scene)})
-    assert stress_run.judge(scene, gained, exact, False)[0] == "drifting"
+    assert judged(gained).category == "drifting"
     sunk = replace(exact, validity={"penetration_m": 0.01})
-    assert stress_run.judge(scene, sunk, exact, False)[0] == "drifting"
+    assert judged(sunk).category == "drifting"
     drifting = replace(exact, history=still(1e-5), end_s=10.0)
-    assert stress_run.judge(scene, drifting, drifting, True)[0] == "drifting"
+    assert judged(drifting, drifting, at_rest=True).category == "drifting"
     crashed = replace(exact, outcome=Outcome.CRASHED, history=None, message="died")
-    assert stress_run.judge(scene, crashed, exact, False) == ("diverged", [], "died")
+    found = judged(crashed)
+    assert (found.category, found.evidence, found.message) == ("diverged", (), "died")
 
 
 def cell(setting: str, category: str, **more: Any) -> StabilityCell:
