@@ -138,7 +138,7 @@ def test_energy_of_an_unsymmetric_statue_counts_each_corner_s_inertia() -> None:
 
 def test_shifted_impacts_match_with_their_shift() -> None:
     a, b = events.excursions(doubles.shifted(doubles.rocking(), 0.004)), events.excursions(doubles.rocking())
-    matched = events.match(a.impact_s, a.side, a.length_s / 2, b.impact_s, b.side, b.length_s / 2)
+    matched = events.match((a.impact_s, a.side, a.length_s / 2), (b.impact_s, b.side, b.length_s / 2))
     assert (matched.alone_a, matched.alone_b) == (0, 0)
     shift = a.impact_s[matched.index_a] - b.impact_s[matched.index_b]
     assert shift == pytest.approx(0.004, abs=1e-6)  # shifted by whole samples: rounding of the linear resampling
@@ -146,7 +146,7 @@ def test_shifted_impacts_match_with_their_shift() -> None:
 
 def test_events_of_the_other_side_never_match() -> None:
     a, b = events.excursions(doubles.flipped(doubles.rocking())), events.excursions(doubles.rocking())
-    matched = events.match(a.impact_s, a.side, a.length_s, b.impact_s, b.side, b.length_s)
+    matched = events.match((a.impact_s, a.side, a.length_s), (b.impact_s, b.side, b.length_s))
     times = np.abs(a.impact_s[matched.index_a] - b.impact_s[matched.index_b])
     assert np.all(a.side[matched.index_a] == b.side[matched.index_b])
     assert np.all(times > 0.0)
@@ -155,8 +155,8 @@ def test_events_of_the_other_side_never_match() -> None:
 def test_far_events_do_not_match() -> None:
     one, window = np.array([1.0]), np.array([0.2])
     side = np.array([1], dtype=np.int8)
-    near = events.match(one, side, window, one + 0.19, side, window)
-    far = events.match(one, side, window, one + 0.21, side, window)
+    near = events.match((one, side, window), (one + 0.19, side, window))
+    far = events.match((one, side, window), (one + 0.21, side, window))
     assert (near.alone_a, far.alone_a, far.alone_b) == (0, 1, 1)
 
 
