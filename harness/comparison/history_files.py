@@ -1,7 +1,5 @@
 """Two histories from files, of whatever software, scored."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

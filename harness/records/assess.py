@@ -1,7 +1,5 @@
 """The record of an assessment: how probable a fall is, by each model; what it depends on; how strong a shaking is borne."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal

@@ -3,8 +3,6 @@
 Parts are plain frozen dataclasses, so that writing one costs nothing; pydantic validates them once, on reading, strictly.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The record of a study of directions: amplitudes that overturn in 3D beside the planar models, and what moves them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal

@@ -2,8 +2,6 @@
 is read by its kind.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Many runs: what the store holds is not computed again, each is kept as soon as it is there, and where the seconds go."""
 
-from __future__ import annotations
-
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

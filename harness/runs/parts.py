@@ -1,7 +1,5 @@
 """Long measurements in parts: what is finished is kept, so that a killed one goes on and one part can be measured anew."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Where tasks are computed: worker processes on this machine, this process, or a Dask cluster."""
 
-from __future__ import annotations
-
 import atexit
 import gc
 import multiprocessing

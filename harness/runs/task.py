@@ -2,8 +2,6 @@
 its own.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -1,7 +1,5 @@
 """Distributions compared: empirical distances, bootstrap bands, binomial intervals."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Fragility curves: the probability of overturning against the intensity of the motion, lognormal, by maximum likelihood."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from statistics import NormalDist

@@ -1,7 +1,5 @@
 """Outcomes over a set of cases: confusion by side, scores with their intervals; probabilities held against outcomes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """What an assessment says: how probable a fall is, what reserve is left, what would help, and the room that it needs."""
 
-from __future__ import annotations
-
 import math
 import shlex
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """The room a statue needs: how far outline, top and pedestal go on a floor plan in one run, and over the draws that stand."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor

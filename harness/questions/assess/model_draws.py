@@ -1,7 +1,5 @@
 """What a scene does not know, drawn, and the analytic model or the exact body over many draws, for the outcome alone."""
 
-from __future__ import annotations
-
 import copy
 import math
 import os

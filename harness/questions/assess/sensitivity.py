@@ -1,7 +1,5 @@
 """Which input matters, and how strong a shaking the statue bears: one model on more draws."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Final

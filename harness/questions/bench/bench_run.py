@@ -1,7 +1,5 @@
 """The bench: all measurements in parts that can be interrupted, one record."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """What a piece of work costs: best of several, after a warm-up, by the clock and by the processor."""
 
-from __future__ import annotations
-
 import resource
 import time
 from collections.abc import Callable, Sequence

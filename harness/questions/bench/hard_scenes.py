@@ -1,7 +1,5 @@
 """The hard scenes, each with the outcome that it must have, what must hold in any run of it, and what each engine says of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

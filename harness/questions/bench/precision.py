@@ -1,7 +1,5 @@
 """Work against precision: every engine on every level, and what a target takes."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace

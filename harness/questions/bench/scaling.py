@@ -1,7 +1,5 @@
 """How time and memory grow with duration, mesh vertices, number of runs and workers; each point in a fresh process."""
 
-from __future__ import annotations
-
 import math
 import os
 import tempfile

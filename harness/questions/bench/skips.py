@@ -2,8 +2,6 @@
 applies.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """The standard set: scenes from easy to hard, each with what its error is measured against."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

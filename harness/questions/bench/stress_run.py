@@ -1,7 +1,5 @@
 """The stress run: hard scenes and stability maps, on all cores and in parts; one record."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -2,8 +2,6 @@
 the scene; by the exact model too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace

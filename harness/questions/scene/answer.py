@@ -1,7 +1,5 @@
 """The headline of a run: what happens and whether the models agree, how probable a fall is, until when, and what decides."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Why a body in space leaves the planar model: each thing that the plane leaves out is taken away, and space asked again."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

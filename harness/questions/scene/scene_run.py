@@ -1,7 +1,5 @@
 """Run one scene with several engines and write the result folder, whole or not at all."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

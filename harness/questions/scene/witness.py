@@ -8,8 +8,6 @@ another convention than the model's: they take the static one as an impact break
 is held against them (`under_static`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final

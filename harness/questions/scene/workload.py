@@ -1,7 +1,5 @@
 """What runs will take, told before they begin: processor time and memory; work without an end is refused."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path

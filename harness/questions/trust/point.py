@@ -1,7 +1,5 @@
 """What a run says of one point of the map, and the class that follows: by the rules of the run's own answer, no others."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The whole map: the model everywhere, engines where they are needed, a tenth of what they were not asked checked."""
 
-from __future__ import annotations
-
 import csv
 import math
 import time
