@@ -64,10 +64,6 @@ STICK_ONSET_RAD: Final = 3e-5
 """Measured 6.4e-6 rad in 10.5 s at 1 ms, and"""
 STICK_ONSET_M: Final = 1.5e-5
 """3.3e-6 m of slip; 0.27 m where the statue went into the pedestal."""
-TURNING_SHARE: Final = 1.3
-"""Error with a quarter of the iterations over that with all of them: measured 1.0 to 1.2 at 4 ms."""
-TURNING_RAD: Final = 3e-13
-"""What few iterations may change of a fall in which a corner comes to its friction limit: rounding, 5e-15; 1e-11 unseen."""
 FOLLOWED_RAD: Final = 1e-3
 """Where two coefficients follow a velocity two steps late: measured 7e-5 to 5e-4 rad at 0.1 to 0.5 ms; 0.02 rad where the
 pedestal slides on instead of sticking."""

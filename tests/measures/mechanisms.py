@@ -80,7 +80,6 @@ MUNK: Final[Mapping[str, Change]] = {
     "a statue at rest laid down": {
         _M + "support:SupportVertex._at_rest": lambda _: lambda self, state, *__, **___: state
     },
-    "fewer iterations while turning": {"harness.engines.pymunk:_turning": lambda _: lambda n: n},
     "more iterations at impacts": {"harness.engines.pymunk:AT_IMPACTS": _number(1)},
 }
 BULLET: Final[Mapping[str, Change]] = {

@@ -48,9 +48,6 @@ step."""
 ALONE_SHARE, ALONE_LEAST = 0.5, 90
 """Share of the iterations that a statue without a pedestal needs: twice as many as those at which its error stops falling; but at
 rest, with 60, it turned by 7e-7 rad a minute at 4 ms, and a later start (skip `quiet_start`) decided a borderline outcome."""
-TURNING_SHARE: Final = 0.25
-TURNING_LEAST: Final = 24
-"""Share of the iterations, and their least number, while the statue turns on one corner: twice those at which errors grow."""
 AT_IMPACTS: Final = 2
 """Times the iterations in a step in which all contacts meet an impact or a stick onset: its first guess is of another state."""
 DEPTH_RAD_S: Final = 1e-5
@@ -114,7 +111,6 @@ class Munk2D(Engine):
                 slop_m=VERIFICATION_STEP_SHARE * own.slop_m,
                 expected_error_rad=VERIFICATION_STEP_SHARE * own.expected_error_rad,
                 iterations=iterations,
-                turning_iterations=_turning(iterations),
                 impact_iterations=3 * own.iterations,
                 pedestal_first=not own.pedestal_first,
                 event_share=VERIFICATION_EVENT_SHARE,
@@ -223,8 +219,4 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
         iterations = max(round(ALONE_SHARE * iterations), ALONE_LEAST)
     depth = DEPTH_RAD_S * base * dt_s
     slop = SLOP_RAD_S * base * dt_s
-    return MunkSettings(dt_s, error_rad, iterations, _turning(iterations), depth, slop, AT_IMPACTS * iterations)
-
-
-def _turning(iterations: int) -> int:
-    return min(max(round(TURNING_SHARE * iterations), TURNING_LEAST), iterations)
+    return MunkSettings(dt_s, error_rad, iterations, depth, slop, AT_IMPACTS * iterations)

@@ -51,7 +51,7 @@ class ChipmunkBackend:
         self.since_s, self.lags_s, self.gained = 0.0, (0.0, 0.0), 0.0
         self.holds, self.slip_m_s, self.least_m_s = False, 0.0, LEAST_SLIDES_M_S2 * self.step_s
         self.near: bool | None = False
-        self.turns, self.iterations, self.owed_m_s = False, -1, (0.0, 0.0)
+        self.iterations, self.owed_m_s = -1, (0.0, 0.0)
         self.ledger = Ledger()
 
     def read(self) -> Row:
@@ -60,7 +60,7 @@ class ChipmunkBackend:
 
     def place(self, row: Row) -> None:
         """Let the next step begin in the state of a row, and on a table that Chipmunk has not moved on."""
-        self.states, self.lagging, self.gained, self.turns = states_of(row), False, 0.0, False
+        self.states, self.lagging, self.gained = states_of(row), False, 0.0
         if self.floor is not None:
             self._place_floor(self.floor[0], self.floor[1])
 
@@ -105,7 +105,7 @@ class ChipmunkBackend:
         if abs(share - 1.0) < ONE_STEP:
             return self._whole(gravity)
         self._solve(self._held(), (gravity[0] * share, gravity[2] * share), self.settings.impact_iterations)
-        self.lagging, self.gained, self.turns = False, 0.0, False
+        self.lagging, self.gained = False, 0.0
         return row_of(self.states)
 
     def run(self, pulls: Sequence[Vector], record: StepLog) -> Row:
@@ -124,15 +124,13 @@ class ChipmunkBackend:
         return row
 
     def _whole(self, gravity: Vector) -> Row:
-        states, pull = self._held(), (gravity[0], gravity[2])
-        own = self.settings
+        states, own = self._held(), self.settings
         # Impulses of another state, or none, are no guess for the next ones.
-        fresh = own.iterations if self.lagging and not self.near else own.impact_iterations
-        self._solve(states, pull, own.turning_iterations if self.turns else fresh)
-        before, after = states[0], self.states[0]
-        self.gained, self.lagging = after[5] - before[5], True
+        iterations = own.iterations if self.lagging and not self.near else own.impact_iterations
+        self._solve(states, (gravity[0], gravity[2]), iterations)
+        after = self.states[0]
+        self.gained, self.lagging = after[5] - states[0][5], True
         if self.support is not None:
-            self.turns = self.support.turns(before, after, pull)
             below = self.states[1] if len(states) > 1 else STILL
             self.near = self.support.contact_within_steps(after, below) or (
                 below is not STILL and self._sticks_within_steps(below[3] - self.floor_m_s[0])

@@ -106,9 +106,7 @@ def _settings(scene: Scene, dt_s: float, most_iterations: float, error_rad: floa
     iterations = round(most_iterations)
     base = scene.statue.corner_left_m + scene.statue.corner_right_m
     depth = DEPTH_RAD_S * base * dt_s
-    return MunkSettings(
-        dt_s, error_rad, iterations, iterations, depth, SLOP_RAD_S * base * dt_s, impact_iterations=iterations
-    )
+    return MunkSettings(dt_s, error_rad, iterations, depth, SLOP_RAD_S * base * dt_s, impact_iterations=iterations)
 
 
 def _integrate(scene: Scene, settings: MunkSettings, options: RunOptions) -> StepLog:

@@ -37,14 +37,8 @@ RISE_SHARE: Final = 0.02
 """Share of that rate from which on it begins to rise."""
 REST_STEPS: Final = 1e-3
 """rotation over the step, rad/s, by which it does not lean."""
-CLEAR_STEPS: Final = 0.02
-"""Rotation over the step, rad/s, beyond which the vertex left behind is off the support: 2000 times its depth of contact."""
 AHEAD: Final = 2.5
 """Steps to an impact from which on it is looked for in each: more than one apart, as what falls is faster in each step."""
-LEAST_BORNE: Final = 0.02
-"""Share of its weight below which a statue counts as flying: it may land in the coming step."""
-MOST_FRICTION: Final = 0.9
-"""Share of its friction's limit above which a vertex counts as sliding: at a high coefficient the solver is slow there."""
 
 
 def base_vertices(scene: Scene) -> Array:
@@ -77,11 +71,7 @@ class SupportVertex:
         self.lifted_m = LIFTED * scene.gravity_m_s2 * settings.dt_s**2
         self.mass_kg, self.gravity_m_s2 = scene.statue.mass_kg, scene.gravity_m_s2
         self.ahead_s = AHEAD * settings.dt_s
-        self.near_rad, self.walled = REST_STEPS * settings.dt_s, scene.wall is not None
-        # Whether the vertices beside the standing one are off the support.
-        self.clear_rad, self.clear = CLEAR_STEPS * settings.dt_s, False
-        self.stood = False
-        self.step_s, self.most_friction = settings.dt_s, MOST_FRICTION * scene.contact.statue
+        self.near_rad, self.stood, self.step_s = REST_STEPS * settings.dt_s, False, settings.dt_s
 
     def held(
         self, state: State, below: State | None, since_s: float, lags_s: Pair, gained: float, ledger: Ledger
@@ -94,11 +84,10 @@ class SupportVertex:
         under = STILL if below is None else below
         lean, leaning = state[2] - under[2], state[5] - under[5]
         if not (-STEEPEST_RAD < lean < STEEPEST_RAD and -TIPPED_RAD <= under[2] <= TIPPED_RAD):
-            self.clear = self.stood = False
+            self.stood = False
             return state
         facet = bisect_left(self.between_rad, lean)
         off = lean - self.level_rad[facet]
-        self.clear = abs(off) >= self.clear_rad
         if abs(off) >= self.near_rad:
             return self._on_circle(state, under, facet + (off > 0.0), since_s, lags_s, gained, ledger)
         if -self.rest_rad_s < leaning < self.rest_rad_s:
@@ -169,17 +158,6 @@ class SupportVertex:
             if spin > 0.0
             else (level[following] - lean) > spin * self.ahead_s
         )
-
-    def turns(self, before: State, state: State, pull_m_s2: Pair) -> bool:
-        """Whether the statue turns on one vertex that held it in a step from `before` to `state` under a gravity: its forces
-        change little.
-        """
-        if self.walled or not self.clear:
-            return False
-        falls = self.step_s * pull_m_s2[1]
-        borne = state[4] - before[4] - falls
-        pushed = state[3] - before[3] - self.step_s * pull_m_s2[0]
-        return borne > -LEAST_BORNE * falls and abs(pushed) < self.most_friction * borne
 
 
 def velocity_owed(spin: float, gained: float, turn: float, lags_s: Pair, arm_x: float, arm_z: float) -> Pair:

@@ -315,7 +315,7 @@ IMPACT_ITERATIONS: Final = 9000
 RESIDUAL: Final = 1e-16
 """Squared change of velocity, (m/s)², at which a solver that watches it may end before."""
 MANY: Final = {
-    "iterations": ITERATIONS, "turning_iterations": ITERATIONS, "impact_iterations": IMPACT_ITERATIONS,
+    "iterations": ITERATIONS, "impact_iterations": IMPACT_ITERATIONS,
     "event_iterations": IMPACT_ITERATIONS, "residual": RESIDUAL,
 }  # fmt: skip
 """By the name of a field of settings; an engine has some of them."""

@@ -17,7 +17,6 @@ from harness.questions.study.cases import BaseScene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import NOTHING_SKIPPED, apart, error, exact, ready, run
 from tests.measures.contact_engines import baseline_loop
-from tests.measures.seeded_scenes import random_scene
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, SCENES, paestum, rectangle, scene
 
 ENGINE, PLAIN = Munk2D(), PlainMunk2D()
@@ -135,28 +134,6 @@ def test_slow_impacts_are_met_too() -> None:
     model = exact(on)
     assert run("pymunk", on, 5e-4).interventions["impact"].count == len(model.impact_times_s) > 3
     assert error("pymunk", on, 5e-4) <= budget.SLOW_IMPACTS_RAD
-
-
-@pytest.mark.parametrize("static", [0.15, 0.20])
-def test_a_statue_that_turns_on_one_corner_needs_a_quarter_of_the_iterations(static: float) -> None:
-    on = paestum(0.429, 3.0, mu=(static, 0.15))
-    settings = ENGINE.settings_for_dt(on, 4e-3)
-    assert settings.turning_iterations <= 0.3 * settings.iterations
-    few, all_of_them = error("pymunk", on, 4e-3), error("pymunk", on, 4e-3, turning_iterations=settings.iterations)
-    assert few <= budget.TURNING_SHARE * all_of_them
-    assert error("pymunk", on, 4e-3, turning_iterations=1) > 2.0 * few, "no step takes them"
-
-
-def test_a_corner_that_reaches_its_friction_takes_all_iterations() -> None:
-    # At a coefficient of 2 the solver turns normal impulse into friction and back: what is left grows from step to step.
-    on = random_scene(19112, 1.19)
-    settings = ENGINE.settings_for_dt(on, 2e-4)
-    runs = [
-        ENGINE.simulate(on, replace(settings, turning_iterations=n), RunOptions()) for n in (24, settings.iterations)
-    ]
-    times = np.linspace(1.1, 1.19, 50)
-    few, all_of_them = (found.history.at(times) for found in runs if found.history is not None)
-    np.testing.assert_allclose(few, all_of_them, rtol=0.0, atol=budget.TURNING_RAD)
 
 
 def test_a_vertex_that_an_approach_has_stopped_is_taken_nowhere(data_dir: Path) -> None:
