@@ -29,7 +29,7 @@ def ratio(widths: float, restitution: float, patch: pytest.MonkeyPatch) -> float
     block = rectangle(1.0 / widths, 1.0)
     alpha = block.slenderness_rad(1)
     on = scene(block, theta_rad=0.5 * alpha, mu_statue=2.0, duration_s=1.0)
-    rows = contact_engines.baseline_loop(on, MunkSettings(DT_S, 0.0, 60, 60, 1e-8, 1e-6, 60))[1]
+    rows = contact_engines.baseline_loop(on, MunkSettings(DT_S, 0.0, 60, 1e-8, 1e-6, 60))[1]
     theta = -np.array([row[2] for row in rows])
     falls = np.flatnonzero(theta < 0.0)
     returns = np.flatnonzero(theta[falls[0] :] > 0.0)
