@@ -81,6 +81,12 @@ def refuse(mistakes: Collection[Mistake]) -> None:
         raise InputError(mistakes)
 
 
+def require(holds: object, where: str, wanted: str, got: str, advice: str = "", *, key: str = "") -> None:
+    """Raise `InputError` of one mistake unless something holds."""
+    if not holds:
+        raise InputError(Mistake(where, key, wanted, got, advice))
+
+
 def check_known(name: str, known: Collection[str], option: str) -> None:
     """Raise `InputError` for what an option names that is none of the known; the nearest is advised."""
     if name not in known:

@@ -128,18 +128,29 @@ def shapes(known: Mapping[str, str], key: bool = True) -> Json:
 
 def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float, say: Language = ENGLISH) -> Json:
     """Work–precision of one scene on logarithmic axes: a line for each engine's levels, other signs for other settings."""
-    here = [row for row in rows if row.scene == scene and row.failed is None and row.error_rad]
+    known = (row for row in rows if row.scene == scene and row.failed is None and row.error_rad)
+    here = sorted(known, key=lambda row: row.error_rad or 0.0)
     engines = list(dict.fromkeys(row.engine for row in rows))
     words = {group: say(f"chart.group_{group}") for group in SHAPES}
+    tips = {
+        row: say(
+            "chart.setting",
+            name=row.engine,
+            setting=row.label,
+            error=say.digits(row.error_rad),
+            time=say.digits(row.cpu_s or 0.0),
+        )
+        for row in here
+    }
     parts: list[Json] = [
         {
             "name": engine, "kind": words[group],
-            **columns("x y size tip", [(row.cpu_s, row.error_rad, 170 if row.chosen else 55, _tip(row, say)) for row in mine]),
+            **columns("x y size tip", [(row.cpu_s, row.error_rad, 170 if row.chosen else 55, tips[row]) for row in mine]),
         }
         for engine in engines for group in SHAPES
-        for mine in [sorted((row for row in here if (row.engine, row.group) == (engine, group)), key=_error)] if mine
+        for mine in [[row for row in here if (row.engine, row.group) == (engine, group)]] if mine
     ]  # fmt: skip
-    front = sorted((row for row in here if row.dt_s and on_front(row, here)), key=_error)
+    front = [row for row in here if row.dt_s and on_front(row, here)]
     met = {
         words[group]: shape for group, shape in SHAPES.items() if any(part["kind"] == words[group] for part in parts)
     }
@@ -162,21 +173,6 @@ def precision_figure(scene: str, rows: Sequence[PrecisionRow], target_rad: float
 
 POWERS: Final = {"format": ".0e", "tickCount": 5}
 """How the powers of ten of a logarithmic axis are written."""
-
-
-def _tip(row: PrecisionRow, say: Language) -> str:
-    """What a setting says under the pointer."""
-    return say(
-        "chart.setting",
-        name=row.engine,
-        setting=row.label,
-        error=say.digits(row.error_rad or 0.0),
-        time=say.digits(row.cpu_s or 0.0),
-    )
-
-
-def _error(row: PrecisionRow) -> float:
-    return row.error_rad or 0.0
 
 
 def scaling_figure(items: Sequence[ScalingRow], say: Language = ENGLISH) -> Json:

@@ -3,7 +3,7 @@
 import json
 import shlex
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -59,14 +59,19 @@ Grid = tuple[NDArray[np.object_], NDArray[np.object_]]
 """One model's outcomes on a map: names of `COLOURS` (rows of y, columns of x), and what is told of each place."""
 
 
-def map_figures(answers: Answers, say: Language = ENGLISH) -> list[tuple[str, Json]]:
-    """For each combination of the other axes: all models' boundaries, then one map per model; empty when it is no map."""
+def map_figures(
+    answers: Answers, say: Language = ENGLISH, title: Callable[[str], str] | None = None
+) -> list[tuple[str, Json]]:
+    """For each combination of the other axes: all models' boundaries, then one map per model; empty when it is no map.
+
+    `title` names an axis by its key, else its label does.
+    """
     axes = answers.plane
     if axes is None:
         return []
     figures = []
     for where, members in answers.apart(axes, say):
-        x, y = ((say.label(key), members.numbers(key)) for key in axes)
+        x, y = (((title or say.label)(key), members.numbers(key)) for key in axes)
         found = {model: _grid(model, members.cases, axes, x, y, say) for model in answers.models}
         grids = {model: grid for model, grid in found.items() if grid is not None}
         if len(grids) > 1 and any(np.isin(codes.astype(str), FALLING).any() for codes, _ in grids.values()):

@@ -1,6 +1,6 @@
 """The pictures that a study's rows hold: the paper's panels, fragility, roses."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -52,23 +52,21 @@ TIPPING: Final = ("pedestal_tipping_margin_m", "pedestal_tipping_margin_at_impac
 """The margins of the record: the pedestal's half width less the reach of the floor's force, in motion and at impacts."""
 
 
+MAPPED: Final = {"peak": ("peak_theta_rad", 1.0, "rad", STILL_RAD), "slip": ("peak_slip_m", 1e3, "mm", 1e3 * STILL_M)}
+"""What maps show: the value of a run, in how many of which unit, and up to where it is rounding."""
+
+
 def design_figures(answers: Answers, say: Language = ENGLISH) -> list[tuple[str, Json]]:
     """For each model maps of the largest rotation where it stands, and where it slides of the pedestal's largest displacement.
 
     Places that would tip the pedestal are marked. Empty when what varies makes no map, or a place stands for several conditions.
     """
-    axes, models = answers.single_plane, answers.models
-    if axes is None:
-        return []
-    peaks = {
-        say("chart.map_peak", model=model): _value_map(model, answers, axes, _standing_peak, "rad", STILL_RAD, say, False)
-        for model in models if len(answers.cases) <= MOST_PLACES
-    }  # fmt: skip
-    slips = {
-        say("chart.map_slip", model=model): _value_map(model, answers, axes, _slip_mm, "mm", 1e3 * STILL_M, say)
-        for model in models
-    }
-    return [(title, drawn) for title, drawn in (peaks | slips).items() if drawn is not None]
+    shown = [name for name in MAPPED if name != "peak" or len(answers.cases) <= MOST_PLACES]
+    found = [
+        (say(f"chart.map_{name}", model=model), _value_map(name, model, answers, answers.single_plane, say))
+        for name in shown for model in answers.models if answers.single_plane is not None
+    ]  # fmt: skip
+    return [(title, drawn) for title, drawn in found if drawn is not None]
 
 
 def best_designs(answers: Answers) -> list[Finding]:
@@ -94,14 +92,6 @@ def best_designs(answers: Answers) -> list[Finding]:
     return found
 
 
-def _slip_mm(run: CaseRun) -> float:
-    return 1e3 * run.peak_slip_m
-
-
-def _standing_peak(run: CaseRun) -> float:
-    return abs(run.peak_theta_rad) if _stands(run) else np.nan
-
-
 def _stands(run: CaseRun) -> bool:
     """Whether the statue stands by what a run tells within its model's domain."""
     return told_family(run) == "stands"
@@ -112,25 +102,18 @@ def _tips(run: CaseRun) -> bool:
     return any(isinstance(margin, float) and margin < 0.0 for margin in margins)
 
 
-def _value_map(
-    model: str,
-    answers: Answers,
-    axes: tuple[str, str],
-    value_of: Callable[[CaseRun], float],
-    unit: str,
-    least: float,
-    say: Language,
-    marked: bool = True,
-) -> Json | None:
-    """A heatmap of one number of each run; None where it is nought, or rounding, everywhere."""
+def _value_map(name: str, model: str, answers: Answers, axes: tuple[str, str], say: Language) -> Json | None:
+    """A map of one of `MAPPED`, of the slips with the places that tip; None where it is nought, or rounding, everywhere."""
+    column, factor, unit, least = MAPPED[name]
     x, y = ((say.label(key), answers.numbers(key)) for key in axes)
     there = {tuple(item.number(key) for key in axes): run for item, run in answers.runs(model)}
-    values = np.array([[value_of(there[at, up]) if (at, up) in there else np.nan for at in x[1]] for up in y[1]])
+    told = {place: factor * abs(getattr(run, column)) for place, run in there.items() if name == "slip" or _stands(run)}
+    values = np.array([[told.get((at, up), np.nan) for at in x[1]] for up in y[1]])
     if not np.nanmax(values, initial=0.0) > least:
         return None
     crosses = marks("point", "tipping", shape="cross", angle=45, size=36, filled=True, color=INK)
     tipping = [columns("x y", [place for place, run in there.items() if _tips(run)])]
-    return number_map(values, x, y, unit, say, over={"tipping": (tipping, crosses)} if marked else None)
+    return number_map(values, x, y, unit, say, over={"tipping": (tipping, crosses)} if name == "slip" else None)
 
 
 # Studies along one axis: each model's outcome, largest rotation and slip against what varies.

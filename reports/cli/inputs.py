@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.model.errors import InputError, Mistake, printable
+from harness.model.errors import InputError, Mistake, printable, require
 from harness.model.finding import texted, weighed
 from reports.cli.app import app, command
 from reports.cli.options import OutputOptions, ScanOptions, SupportOptions, TextLayout, folder_of
@@ -79,10 +79,9 @@ def _check_picture(picture: Path) -> None:
     from reports.export.figures import FORMATS
 
     kinds = (*FORMATS, "html")
-    if picture.suffix[1:] not in kinds:
-        raise InputError(Mistake("--picture", "", f"a file ending in .{', .'.join(kinds)}", str(picture)))
-    if not Path(os.path.realpath(picture)).parent.is_dir():
-        raise InputError(Mistake("--picture", "", "a file in an existing folder", str(picture)))
+    require(picture.suffix[1:] in kinds, "--picture", f"a file ending in .{', .'.join(kinds)}", str(picture))
+    there = Path(os.path.realpath(picture)).parent
+    require(there.is_dir(), "--picture", "a file in an existing folder", str(picture))
     check_own(picture, option="--picture")
 
 
@@ -172,10 +171,8 @@ def _inspected(file: Path, unit: str | None, axis: str, text: TextLayout) -> Mot
     from harness.input.tables import parse, read
 
     if file.suffix != ".toml":
-        if not file.is_file():
-            raise InputError(
-                Mistake(str(file), "", "an existing record", "a folder" if file.is_dir() else "no such file")
-            )
+        got = "a folder" if file.is_dir() else "no such file"
+        require(file.is_file(), str(file), "an existing record", got)
         return inspect_file(file, unit=unit, layout=text.layout())
     model, _ = parse(read(file), str(file))
     component = SceneMotion.of(model, axis, file) if axis in ("x", "y", "z") else None

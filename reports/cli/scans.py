@@ -12,7 +12,7 @@ from harness.input import paths
 from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
 from harness.input.mistakes import wanted_of
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.files import check_own, checksum, write_text, writing
 from harness.model.finding import Finding, Say, texted
 from harness.records.result_folder import listed
@@ -32,8 +32,8 @@ def inspect(file: Path, known: ScanOptions) -> Inspection:
     from meshes.inspection import inspect as inspected
     from meshes.prepare import Wanted
 
-    if known.density_kg_m3 is not None and known.mass_kg is not None:
-        raise InputError(Mistake("--density", "", "a density or a weighed mass", "both", "give one of them"))
+    one = known.density_kg_m3 is None or known.mass_kg is None
+    require(one, "--density", "a density or a weighed mass", "both", "give one of them")
     for name, taken, value in (
         ("density", Density, known.density_kg_m3),
         ("mass", Mass, known.mass_kg),
@@ -108,19 +108,16 @@ def new(
     from harness.input.new_scene import first_scene
     from harness.input.scene_file import load_scene
 
-    if out.suffix != ".toml":
-        raise InputError(Mistake("--out", "", "a file ending in .toml", str(out)))
-    if os.path.lexists(out):
-        raise InputError(Mistake("--out", "", "a file that does not exist yet", str(out), "give another name"))
-    if not paths.is_file(motion):
-        raise InputError(Mistake("--motion", "", "an existing file", str(motion)))
+    require(out.suffix == ".toml", "--out", "a file ending in .toml", str(out))
+    require(not os.path.lexists(out), "--out", "a file that does not exist yet", str(out), "give another name")
+    require(paths.is_file(motion), "--motion", "an existing file", str(motion))
     around = around or SupportOptions()
     pedestal = around.pedestal_keys()
     shaking = read_record(motion, unit=around.motion_unit, layout=layout)
     mesh = out.with_name(f"{out.stem}_statue.ply")
     for beside in (mesh, mesh.with_suffix(".account.json")):
-        if os.path.lexists(beside):
-            raise InputError(Mistake("--out", "", f"a name beside which {beside.name} does not exist yet", str(beside)))
+        wanted = f"a name beside which {beside.name} does not exist yet"
+        require(not os.path.lexists(beside), "--out", wanted, str(beside))
     inspection, log = prepare(scan, mesh, known, say)
     found = findings_of(inspection.prepared.log.found)
     try:
@@ -172,10 +169,9 @@ def _checked_out(out: Path, file: Path) -> tuple[Path, set[str]]:
     """
     from meshes.intake import FORMATS
 
-    if out.suffix.lower() not in FORMATS:
-        raise InputError(Mistake("--out", "", f"a file ending in {', '.join(FORMATS)}", str(out)))
-    if os.path.realpath(out) == os.path.realpath(file):
-        raise InputError(Mistake("--out", "", "another file than the scan itself", str(out)))
+    require(out.suffix.lower() in FORMATS, "--out", f"a file ending in {', '.join(FORMATS)}", str(out))
+    itself = os.path.realpath(out) == os.path.realpath(file)
+    require(not itself, "--out", "another file than the scan itself", str(out))
     log = out.with_suffix(".account.json")
     sums = listed(log).get(out.name, set())
     check_own(out, sums, "--out")

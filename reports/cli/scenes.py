@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.model.errors import InputError, Mistake, check_known, printable
+from harness.model.errors import InputError, Mistake, check_known, printable, require
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK, say_record
@@ -146,15 +146,13 @@ def compare(
     from reports.terminal import wrapped
     from reports.text.wording import scores_text
 
-    if from_inputs and measured is None:
-        raise InputError(Mistake("--input-uncertainty", "", "beside --measured-uncertainty", "alone"))
+    require(measured is not None or not from_inputs, "--input-uncertainty", "beside --measured-uncertainty", "alone")
     over_all: dict[str, SetScores] = {}
     of_files = {"uncertainty": uncertainty, "slip_uncertainty": slip_uncertainty, "measured_uncertainty": measured}
     given = {name: str(value) for name, value in of_files.items() if value is not None}
     if any(path.suffix == ".csv" for path in files):
-        if (asked, target, horizon) != (EngineOptions(), TargetOptions(), False):
-            no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
-            raise InputError(Mistake("compare", "", no_run, "one of them"))
+        no_run = "no -e, --set, --accuracy, --dt or --horizon with histories: nothing is run"
+        require((asked, target, horizon) == (EngineOptions(), TargetOptions(), False), "compare", no_run, "one of them")
         words = option_words(**given, input_uncertainty=from_inputs, iso=iso)
         pairs = compared_histories(
             files, out, words, uncertainty_rad=uncertainty, slip_uncertainty_m=slip_uncertainty, iso=iso,
@@ -163,10 +161,7 @@ def compare(
     else:
         for word in option_words(**given):
             raise InputError(Mistake(word, "", "two .csv histories: runs state their own", "scenes"))
-        if out is not None:
-            raise InputError(
-                Mistake("--out", "", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
-            )
+        require(out is None, "--out", "two .csv histories", "scenes", "`rockcheck run SCENE` writes their page")
         pairs, over_all = compared_scenes(files, asked, target, quiet=saying.silent, iso=iso, horizon=horizon)
     lines = [scores_text(pair, scores) for pair, scores in pairs.items()]
     for name, found in over_all.items():
@@ -186,9 +181,8 @@ def compared_histories(
     """The scores of two history files, written into `out` where it is given. Raises `InputError` for other files."""
     from harness.comparison.history_files import compare_files, write_comparison
 
-    if len(files) != 2 or not all(path.suffix == ".csv" for path in files):
-        got = ", ".join(str(path) for path in files)
-        raise InputError(Mistake("compare", "", "scenes, or exactly two .csv histories", got))
+    two = [path.suffix for path in files] == [".csv", ".csv"]
+    require(two, "compare", "scenes, or exactly two .csv histories", ", ".join(map(str, files)))
     a, b = files
     scores = compare_files(a, b, **stated)
     if out is not None:

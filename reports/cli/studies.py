@@ -16,7 +16,7 @@ from typing import Any, Final
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.input.tables import kind_of
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, require
 from harness.model.files import FRESH, check_own, checksum, is_sealed
 from harness.model.finding import Say, caution
 from harness.model.scene import Scene
@@ -71,8 +71,7 @@ def run(
             question: Any = import_module(QUESTIONS[kind])
             check_folder(folder, (kind,))
             for name, given in (("--export", export), ("--resume", resume), ("--dask", dask), ("--witness", witness)):
-                if given and name in question.REFUSES:
-                    raise InputError(Mistake(name, "", question.REFUSES[name], str(given)))
+                require(not given or name not in question.REFUSES, name, question.REFUSES.get(name, ""), str(given))
             pool = pool or stack.enter_context(_pool(jobs, dask, LIMIT_S))
             on_progress = stack.enter_context(progress(path.stem, quiet))
             answered: Record = question.run_file(path, folder, pool, on_progress, resume=resume, say=say)
@@ -141,11 +140,10 @@ def _check(folder: Path, resume: bool, export: Path | None) -> None:
         check_begun(folder, "a study")
     if export is None:
         return
-    if export.suffix not in (".csv", ".parquet"):
-        raise InputError(Mistake("--export", "", "a file ending in .csv or .parquet", str(export)))
+    require(export.suffix in (".csv", ".parquet"), "--export", "a file ending in .csv or .parquet", str(export))
     there = Path(os.path.realpath(export)).parent
-    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(Mistake("--export", "", "a file in a folder that can be written", str(export)))
+    writable = there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+    require(writable, "--export", "a file in a folder that can be written", str(export))
     check_own(export, _exported(export, folder), "--export")
 
 
@@ -179,14 +177,13 @@ class Scanned:
 
         Raises `InputError` for a record without a scan, and for words on a scan beside a scene.
         """
+        is_scene = path.suffix.lower() == ".toml"
         if self.motion is None:
-            if self != Scanned() or path.suffix.lower() != ".toml":
-                wanted = "a record, beside a scan and what is known of it"
-                raise InputError(Mistake("--motion", "", wanted, "nothing", "or give a scene (.toml) alone"))
+            wanted = "a record, beside a scan and what is known of it"
+            require(is_scene and self == Scanned(), "--motion", wanted, "nothing", "or give a scene (.toml) alone")
             yield path
             return
-        if path.suffix.lower() == ".toml":
-            raise InputError(Mistake("--motion", "", "a scan beside it: a scene has its own [motion]", str(path)))
+        require(not is_scene, "--motion", "a scan beside it: a scene has its own [motion]", str(path))
         from reports.cli.scans import new
 
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -225,8 +222,7 @@ def assess(
         scene = load_scene(scene_file, asked.overrides or ())
         given = [item for item in (path, scanned.motion, options) if item is not None]
         check_inputs(folder, [*names, *of_scan], [*given, *read_files(scene.given, scene.source)])
-        if no_options and options is not None:
-            raise InputError(Mistake("--options", "", "either your own options or --no-options", "both"))
+        require(options is None or not no_options, "--options", "either your own options or --no-options", "both")
         if resume:
             check_begun(folder, "an assessment")
         own_options = () if options is None else read_options(options, scene)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.model.errors import InputError, Mistake, check_known
+from harness.model.errors import check_known, require
 from harness.model.files import check_own, writing
 from harness.model.history import Array, History
 from harness.records.scene import SceneRecord
@@ -67,11 +67,9 @@ def write_gif(folder: File, path: File | None = None, model: str | None = None) 
     Raises `InputError` for a folder without a run, without histories, or for a model that it does not hold.
     """
     source = run_source(folder)
-    if not source.histories:
-        raise InputError(Mistake(str(folder), "", "a run with histories", "a record without any"))
+    require(source.histories, str(folder), "a run with histories", "a record without any")
     target = path or folder / "replay.gif"
-    if target.suffix != ".gif":
-        raise InputError(Mistake("--out", "", "a file ending in .gif", str(target)))
+    require(target.suffix == ".gif", "--out", "a file ending in .gif", str(target))
     check_own(target, option="--out")
     solid = model or default_model(source)
     check_known(solid, source.histories, "--model")

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from harness.model.errors import InputError, Mistake, check_known
+from harness.model.errors import InputError, Mistake, check_known, require
 from harness.model.files import check_own, writing
 from harness.records.base import Record
 from harness.records.effects3d import EffectsRecord
@@ -163,8 +163,7 @@ def write_figures(
     record = read_result(folder)
     width_px = pixels_across(WIDTHS_MM[width])
     pictures = {name: printed(drawn, width_px, words) for name, words, drawn in _pictures(folder, record, model)}
-    if not pictures:
-        raise InputError(Mistake(str(folder), "", "a record with charts", f"a {record.kind} without"))
+    require(pictures, str(folder), "a record with charts", f"a {record.kind} without")
     target = folder / "figures"
     target.mkdir(exist_ok=True)
     paths = {target / f"{name}.{kind}": drawn for name, drawn in pictures.items() for kind in formats}

@@ -727,21 +727,23 @@ def _map(record: StudyRecord, answers: Answers, say: Language) -> list[Drawing]:
     said = grouped((place, row) for place, rows in places for row in rows)
     worst = {place: max(rows, key=_severity) for place, rows in said.items()}
     cases = [Condition(dict(zip(axes, place, strict=True)), {"": row}) for place, row in worst.items()]
-    figures = map_figures(Answers([""], cases, axes), say)
+    figures = map_figures(Answers([""], cases, axes), say, lambda key: _axis_title(record, key, say))
     if not figures:
         return []
     _, figure = figures[0]
-    for side, key in zip("xy", axes, strict=True):
-        last = key.rsplit(".", 1)[-1]
-        told = last in AXES and (key not in STRENGTHS or _strength_unit(record, key)[1] == 1.0)
-        unit = split_unit(last)[1]
-        own = (say.key(key) or say("key.other")) + (f" ({unit})" if unit else "")
-        named = say(AXES[last]) if told else own
-        figure["encoding"][side]["title"] = named
     figure["layer"][0]["encoding"]["fill"]["legend"] = None
     seen = sorted({_severity(row) for row in worst.values()}, reverse=True)
     words = [say("map.seen"), " ".join(say(f"map.{SEVERE[k]}" if k >= 0 else "map.pale") for k in seen)]
     return [Drawing(still(localised(figure, say), WIDTH, "map"), words, heading=say("map.heading"))]
+
+
+def _axis_title(record: StudyRecord, key: str, say: Language) -> str:
+    """What a map's axis is called: a strength that the scene multiplies once more by its key."""
+    last = key.rpartition(".")[2]
+    if last in AXES and (key not in STRENGTHS or _strength_unit(record, key)[1] == 1.0):
+        return say(AXES[last])
+    unit = split_unit(last)[1]
+    return (say.key(key) or say("key.other")) + (f" ({unit})" if unit else "")
 
 
 def _severity(row: StudyRow) -> int:

@@ -64,25 +64,20 @@ def pedestal_effect(
     if pace is None:
         return told, []
     runs = sorted(answers.runs(model), key=lambda each: each[0].number(pace))
-    fell: list[dict[float, list[bool]]] = []
-    reach: list[dict[float, float]] = []
-    for setting in SETTINGS:
-        here = [
+    by_setting = {
+        say(f"{words}.on_{setting}"): [
             (item.number(pace), run)
             for item, run in runs
             if (item.varied["pedestal"] == "none") == (setting == "floor")
         ]
-        fell.append(grouped((rate, fallen) for rate, run in here if (fallen := falls(run)) is not None))
-        moved = grouped((rate, _top_m(record.scene, run)) for rate, run in here if falls(run) is False)
-        reach.append({rate: max(each) for rate, each in moved.items()})
-    named = {each: say(f"{words}.{each}") for each in ("frequency", "share_falls", "top", "wall")}
-    colours = {say(f"{words}.on_{setting}"): colour for setting, colour in SETTINGS.items()}
-    drawn = {
-        "saved": _by_setting(dict(zip(colours, fell, strict=True)), colours, named, say),
-        "moved": _reach_by_setting(dict(zip(colours, reach, strict=True)), colours, named, record),
+        for setting in SETTINGS
     }
-    charts = [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
-    return told, charts
+    named = {each: say(f"{words}.{each}") for each in ("frequency", "share_falls", "top", "wall")}
+    drawn = {
+        "saved": _falls_by_setting(by_setting, named, say),
+        "moved": _reach_by_setting(by_setting, named, record.scene),
+    }
+    return told, [Chart(name, say(f"text.pedestal_{name}", model=model), figure) for name, figure in drawn.items()]
 
 
 def _top_m(scene: SceneRecord, run: CaseRun) -> float:
@@ -103,15 +98,16 @@ def _saved(runs: Sequence[tuple[Condition, CaseRun]]) -> Saved:
 
 
 SETTINGS: Final = {"floor": FLOOR_COLOUR, "pedestal": PEDESTAL_COLOUR}
+Runs = Mapping[str, Sequence[tuple[float, CaseRun]]]
+"""The runs of a setting, each with its frequency, by the setting's words."""
 
 
-def _by_setting(
-    fell: Mapping[str, Mapping[float, Sequence[bool]]],
-    colours: Mapping[str, str],
-    named: Mapping[str, str],
-    say: Language,
-) -> Json:
+def _falls_by_setting(by_setting: Runs, named: Mapping[str, str], say: Language) -> Json:
     """The share of falls by setting and frequency: a bar for each."""
+    fell = {
+        setting: grouped((rate, fallen) for rate, run in runs if (fallen := falls(run)) is not None)
+        for setting, runs in by_setting.items()
+    }
     parts = [
         {
             "kind": setting, "x": [*map(say.short, ends)], "y": [100.0 * sum(each) / len(each) for each in ends.values()],
@@ -119,8 +115,8 @@ def _by_setting(
         }
         for setting, ends in fell.items()
     ]  # fmt: skip
-    beside = {"xOffset": {"field": "kind", "sort": list(colours)}}
-    bars = marks("bar", "falls", beside | {"color": kinds(colours)})
+    beside = {"xOffset": {"field": "kind", "sort": list(fell)}}
+    bars = marks("bar", "falls", beside | {"color": kinds(dict(zip(fell, SETTINGS.values(), strict=True)))})
     words = marks("text", "falls", beside | {"text": {"field": "count"}}, dy=-7, clip=False)
     rates = sorted({rate for ends in fell.values() for rate in ends})
     x = names("x", [*map(say.short, rates)], named["frequency"], labelAngle=0, grid=False)
@@ -128,17 +124,16 @@ def _by_setting(
     return figure([bars, words], 340, {"falls": parts}, x, y)
 
 
-def _reach_by_setting(
-    reach: Mapping[str, Mapping[float, float]],
-    colours: Mapping[str, str],
-    named: Mapping[str, str],
-    record: StudyRecord,
-) -> Json:
+def _reach_by_setting(by_setting: Runs, named: Mapping[str, str], scene: SceneRecord) -> Json:
     """How far the top moves by setting and frequency, and the wall."""
-    parts = [{"name": setting, "x": [*by], "y": [*by.values()]} for setting, by in reach.items() if by]
-    y, wall = upwards("y", named["top"], {"zero": True}), record.scene.wall
+    moved = {
+        setting: grouped((rate, _top_m(scene, run)) for rate, run in runs if falls(run) is False)
+        for setting, runs in by_setting.items()
+    }
+    parts = [{"name": setting, "x": [*by], "y": [*map(max, by.values())]} for setting, by in moved.items() if by]
+    y, wall = upwards("y", named["top"], {"zero": True}), scene.wall
     lines = [] if wall is None else level(wall.distance_m, named["wall"], line=Look(WALL_COLOUR, "6 4", 1.5))
-    looks = {setting: Look(colour) for setting, colour in colours.items() if reach[setting]}
+    looks = {setting: Look(colour) for setting, colour in zip(moved, SETTINGS.values(), strict=True) if moved[setting]}
     return figure(
         [*points("reach", looks, y, first=True), *lines], 340, {"reach": parts}, across("x", named["frequency"]), y
     )
