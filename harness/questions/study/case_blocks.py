@@ -194,7 +194,10 @@ class SweptRuns:
             still = self._scenes.still(setting)
             shaken = Shaken(place, still, self._scenes.motion(setting, still.scene))
         except AnalyticInputError:
-            self._run_single(place, setting)
+            made = partial(self._base.scene, setting)
+            answer = run_request(RunRequest(made, selection.REFERENCE, self._asked))
+            self.failed += answer.failed
+            self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})
             return
         self._gathered.append(shaken)
         axes = shaken.motion.x, shaken.motion.z
@@ -220,11 +223,6 @@ class SweptRuns:
         self._parts.append(swept(self._gathered))
         self.inside_s += time.perf_counter() - start
         self._gathered, self._samples = [], 0
-
-    def _run_single(self, place: int, setting: Mapping[str, Value]) -> None:
-        answer = run_request(RunRequest(partial(self._base.scene, setting), selection.REFERENCE, self._asked))
-        self.failed += answer.failed
-        self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})
 
 
 _REMEMBERED: Final[dict[str, CaseScenes]] = {}

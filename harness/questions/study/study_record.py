@@ -40,7 +40,6 @@ from harness.records.study import (
     StudySummary,
     StudyWitness,
     SupportRecord,
-    TableRecord,
     ThinnedHistory,
     Value,
     impacts,
@@ -78,8 +77,15 @@ def findings_of(record: StudyRecord) -> list[Finding]:
     if record.audit is not None:
         values = vars(record.audit)
         found.append(caution("rechecked", **values) if record.audit.differ else info("rechecked", **values))
-    found += [] if record.table is None else [_columns(record.table)]
-    found += [] if record.witness is None else _witness(record.witness)
+    if (blocks := record.table) is not None:
+        share = sum(n for name, n in blocks.outcomes.items() if Outcome(name).overturned) / max(blocks.rows, 1)
+        shown = blocks.shown if blocks.shown < blocks.rows else None
+        found.append(info("in_columns", rows=blocks.rows, folder=blocks.folder, share=share, shown=shown))
+    if (witness := record.witness) is not None:
+        found.append(info("study_witness", scenes=witness.scenes, of=witness.of))
+        for name, count in witness.counts.items():
+            found.append(info("study_witness_count", witness=name.removesuffix(PLAIN), **vars(count)))
+        found += witness.differing
     if record.usage is not None and record.usage.utilisation is not None:
         found.append(info("study_usage", **vars(record.usage)))
     return found
@@ -128,21 +134,6 @@ def _medians(found: Sequence[Finding]) -> dict[str, Any]:
         if known:
             values[key] = float(np.median(known))
     return values | {"in_runs": len(found)}
-
-
-def _columns(item: TableRecord) -> Finding:
-    fallen = sum(count for name, count in item.outcomes.items() if Outcome(name).overturned)
-    shown = item.shown if item.shown < item.rows else None
-    return info("in_columns", rows=item.rows, folder=item.folder, share=fallen / max(item.rows, 1), shown=shown)
-
-
-def _witness(item: StudyWitness) -> list[Finding]:
-    """What unmodified engines say of a tenth of the scenes."""
-    counts = [
-        info("study_witness_count", witness=name.removesuffix(PLAIN), **vars(count))
-        for name, count in item.counts.items()
-    ]
-    return [info("study_witness", scenes=item.scenes, of=item.of), *counts, *item.differing]
 
 
 # A study's rows as a table for other programs.
@@ -284,12 +275,8 @@ CONDITION: Final = ("contact.restitution", "motion.x.amplitude_g", "motion.x.fre
 def panels(rows: Sequence[KeyedRow], store: Store) -> list[Panel]:
     """Curves in the arrangement of the paper's figures: for each condition, by model, without and with pedestal."""
     by_condition: dict[tuple[float, float, float], dict[str, dict[str, ThinnedHistory]]] = {}
-    drawn: dict[str, ThinnedHistory] = {}
+    drawn = {key: _curve(history) for key, history in _histories(rows, store)}
     for row in rows:
-        if row.key is None:
-            continue
-        if row.key not in drawn and (history := store.history(row.key)) is not None:
-            drawn[row.key] = _curve(history)
         if row.key in drawn:
             restitution, amplitude_g, frequency_hz = (float(row.varied[key]) for key in CONDITION)
             condition = restitution, amplitude_g, frequency_hz
@@ -311,18 +298,23 @@ def _curve(history: History) -> ThinnedHistory:
     return ThinnedHistory([round(float(value), 4) for value in history.t_s[shown]], theta, slip)
 
 
+def _histories(rows: Sequence[KeyedRow], store: Store) -> Iterator[tuple[str | None, History]]:
+    """The histories that were kept of the rows, by key, each once."""
+    for key in dict.fromkeys(row.key for row in rows if row.key is not None):
+        if (history := store.history(key)) is not None:
+            yield key, history
+
+
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
     weighed: dict[str | None, tuple[float | None, float | None]] = {}
-    for key in {row.key for row in rows if row.key is not None}:
-        history = store.history(key)
-        if history is not None:
-            told = excursions(history)
-            losses_j, impacts_s = (
-                each[np.isfinite(each)] for each in (lost_j(told, scene.pivot_inertia_kg_m2), told.impact_s)
-            )
-            until_s = float(impacts_s[-1]) if impacts_s.size else 0.0
-            weighed[key] = float(losses_j.mean()) if losses_j.size else None, until_s
+    for key, history in _histories(rows, store):
+        told = excursions(history)
+        losses_j, impacts_s = (
+            each[np.isfinite(each)] for each in (lost_j(told, scene.pivot_inertia_kg_m2), told.impact_s)
+        )
+        until_s = float(impacts_s[-1]) if impacts_s.size else 0.0
+        weighed[key] = float(losses_j.mean()) if losses_j.size else None, until_s
     shown = []
     for row in rows:
         loss_j, last_s = weighed.get(row.key, (None, None))

@@ -67,29 +67,22 @@ def run_study(
     `singly`, as a witness judges them. Raises `InputError` for a case that is no scene.
     """
     base = base_of(study, path)
+    rows: Iterable[PlanRow]
     if in_columns(study, base) and not singly:
-        return _run_blocks(study, base, store, Campaign(store, pool, on_progress))
-    plan = StudyPlan(study, base, store)
-    campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
-    for expected, tasks in plan.rounds():
-        campaign.run(tasks, expected)
-    store.write_plan(study_name(study), plan.rows())
-    return plan.summary(campaign)
-
-
-def _run_blocks(study: StudyFile, base: BaseScene, store: Store, campaign: Campaign) -> Summary:
-    """Run a study of very many cases block by block: to know which are the same by their physics would take as long."""
-    tasks = list(block_tasks(study, base))
-    campaign.run(tasks, study.runs)
-    blocks: list[PlanRow] = [
-        (task.argument.numbers.start, selection.REFERENCE, task.key, selection.EVERY, {}) for task in tasks
-    ]
-    store.write_plan(study_name(study), blocks)
-    asked = dict.fromkeys(("cases", "wanted", "distinct"), study.runs)
-    return _summary(campaign, **asked, found=study.runs - campaign.computed)
-
-
-def _summary(campaign: Campaign, **counts: int) -> Summary:
+        # To know which of very many cases are the same by their physics would take as long.
+        campaign, tasks = Campaign(store, pool, on_progress), list(block_tasks(study, base))
+        campaign.run(tasks, study.runs)
+        rows = [(task.argument.numbers.start, selection.REFERENCE, task.key, selection.EVERY, {}) for task in tasks]
+        counts = dict.fromkeys(("cases", "wanted", "distinct"), study.runs)
+        counts["found"] = study.runs - campaign.computed
+    else:
+        plan = StudyPlan(study, base, store)
+        campaign = Campaign(store, pool, on_progress, BATCH, free=plan.free)
+        for expected, asked in plan.rounds():
+            campaign.run(asked, expected)
+        rows, counts = plan.rows(), plan.counts()
+        counts["found"] = len(campaign.reused)
+    store.write_plan(study_name(study), rows)
     return Summary(**counts, computed=campaign.computed, failed=campaign.failed, usage=campaign.usage())
 
 
@@ -184,12 +177,11 @@ class StudyPlan:
             for place in [(case.number, engine) for engine in sorted(case.engines)]:
                 yield *place, self._keys.get(place), self._reasons[place], varied
 
-    def summary(self, campaign: Campaign) -> Summary:
-        """How many cases, runs wanted, distinct ones and those not sent to an engine, and what a campaign did of them."""
+    def counts(self) -> dict[str, int]:
+        """How many cases, runs wanted, distinct ones and those not sent to an engine."""
         wanted, known = len(self._keys), len(self._reasons)
         cases, distinct = len({number for number, _ in self._reasons}), len({*self._keys.values()})
-        asked = {"cases": cases, "wanted": wanted, "distinct": distinct, "not_sent": known - wanted}
-        return _summary(campaign, **asked, found=len(campaign.reused))
+        return {"cases": cases, "wanted": wanted, "distinct": distinct, "not_sent": known - wanted}
 
 
 # A seeded tenth of a study's scenes with a witness: do the unmodified engines confirm the answers of the others?

@@ -148,7 +148,12 @@ def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> FittedInputs:
     answers = asked([pair for body in bodies for pair in body.pairs()])
     for body in bodies:
         body.hear(answers)
-    _pool(bodies)
+    # Each body takes the values that the others have as the likelier ones, by input: one laboratory's tests are alike. It is the
+    # predictive of a Dirichlet prior as strong as `OWN` bodies that are all different, and nothing where there is one body.
+    for _ in range(POOLINGS):
+        shares = [body.marginals() for body in bodies]
+        for k, body in enumerate(bodies):
+            body.learn(shares[:k] + shares[k + 1 :])
     choice = FittedInputs(
         {place: each for body in bodies for place, each in body.set_ups().items()},
         {name: each for body in bodies for name, each in body.others().items()},
@@ -159,17 +164,6 @@ def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> FittedInputs:
     if samples:
         choice = _scattered(choice, trials, asked, samples)
     return replace(choice, runs=len(seen))
-
-
-def _pool(bodies: Sequence[_Body]) -> None:
-    """Let each body take the values that the others have as the likelier ones, by input: one laboratory's tests are alike.
-
-    The predictive of a Dirichlet prior that is as strong as `OWN` bodies which are all different; nothing where they are one.
-    """
-    for _ in range(POOLINGS):
-        shares = [body.marginals() for body in bodies]
-        for k, body in enumerate(bodies):
-            body.learn(shares[:k] + shares[k + 1 :])
 
 
 def _scattered(choice: FittedInputs, trials: Sequence[Trial], ask: Ask, samples: int) -> FittedInputs:

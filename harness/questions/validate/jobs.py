@@ -111,10 +111,12 @@ def asked_of(pairs: Sequence[tuple[Trial, TrialVariant]], model: Model, seed: in
         for start in range(0, len(variants), size):
             some = variants[start : start + size]
             key = key_of(digest, repr(some), None if stated else seed, setting, versions)
-            runs = [
-                RunRequest(_made(trial, each, seed), model.engine, model.accuracy_rad, model.dt_s, history, stated)
-                for each in some
+            # The motion is read once, for all processes.
+            made = [
+                partial(scene_of, trial, each, seed, motion_of(trial, each.inputs, fewer=not stated)) for each in some
             ]
+            asked = model.engine, model.accuracy_rad, model.dt_s, history, stated
+            runs = [RunRequest(each, *asked) for each in made]
             if stated:
                 task = Task(key, run_request, runs[0], model.engine, lost_answer)
             else:
@@ -123,11 +125,6 @@ def asked_of(pairs: Sequence[tuple[Trial, TrialVariant]], model: Model, seed: in
                 task = Task(key, run_draws, runs, group, lost_draws, len(some))
             found.append(TrialTask(task, trial, some))
     return found
-
-
-def _made(trial: Trial, variant: TrialVariant, seed: int) -> Any:
-    """What makes the scene of a variant. The motion is read once, for all processes."""
-    return partial(scene_of, trial, variant, seed, motion_of(trial, variant.inputs, fewer=not variant.stated))
 
 
 def run_draws(wanted: Sequence[RunRequest]) -> TaskResult:

@@ -80,18 +80,19 @@ def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
     for number, line in enumerate(lines, 2):
         if not line.strip():
             continue
-        name, *cells = line.split(",")
+        (name, *cells), place = line.split(","), f"line {number}"
         try:
             values = decimals(cells)
         except ValueError as error:
-            mistakes.append(Mistake(str(path), f"line {number}", "decimal numbers", str(error)))
+            mistakes.append(Mistake(str(path), place, "decimal numbers", str(error)))
             continue
         if len(values) != len(columns) - 1:
-            mistakes.append(Mistake(str(path), f"line {number}", f"{len(columns)} cells", f"{len(values) + 1}"))
-        for column, value in zip(columns[1:], values, strict=False):
-            if not abs(value) <= LARGEST:
-                wanted = f"a number of at most {LARGEST:g}"
-                mistakes.append(Mistake(str(path), f"line {number}: {column}", wanted, f"{value:g}"))
+            mistakes.append(Mistake(str(path), place, f"{len(columns)} cells", f"{len(values) + 1}"))
+        mistakes += [
+            Mistake(str(path), f"{place}: {column}", f"a number of at most {LARGEST:g}", f"{value:g}")
+            for column, value in zip(columns[1:], values, strict=False)
+            if not abs(value) <= LARGEST
+        ]
         rows.append((name.strip(), values))
     if not rows and not mistakes:
         raise InputError(Mistake(str(path), "", "at least one line of numbers", "none"))

@@ -356,13 +356,12 @@ def intensity_of(trial: Trial) -> Intensity:
     """
     inputs = trial.inputs()
     otherwise_s = 1.0 if trial.scene is None else _scene(trial.scene).duration_s
-    for name in ("azimuth_deg", "contact_tolerance_m", "inset_m"):
-        for value in getattr(trial, name):
-            each = replace(inputs, **{name: value})
-            statue = _turned(trial, each)
-            if not min(statue.corner_left_m, statue.corner_right_m) > 0.0:
-                wanted = "an inset that leaves a base under the centroid"
-                raise InputError(Mistake(trial.body, f"test {trial.name}: inset_m", wanted, f"{each.inset_m:g}"))
+    of_body = {name: trial.unknown.get(name, ()) for name in ("azimuth_deg", "contact_tolerance_m", "inset_m")}
+    for each in [inputs, *(replace(inputs, **{name: value}) for name in of_body for value in of_body[name])]:
+        statue = _turned(trial, each)
+        if not min(statue.corner_left_m, statue.corner_right_m) > 0.0:
+            wanted = "an inset that leaves a base under the centroid"
+            raise InputError(Mistake(trial.body, f"test {trial.name}: inset_m", wanted, f"{each.inset_m:g}"))
     motion = motion_of(trial, inputs)
     peaks = intensity(motion.x, _duration_s(trial, motion, otherwise_s))
     return Intensity(inputs.scale * peaks.pga_g, inputs.scale * peaks.pgv_m_s)

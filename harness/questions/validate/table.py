@@ -143,14 +143,16 @@ class Inputs:
     bandpass_hz: tuple[float, float] | None = None
 
 
-OPEN: Final = tuple(item.name for item in fields(Inputs))
 OF_BODY: Final = ("contact_tolerance_m", "inset_m", "friction")
 """What a body keeps from day to day; the others are each day's own."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One test of the table, paths resolved; None where a column is left empty and the scene decides."""
+    """One test of the table, paths resolved; None where a column is left empty and the scene decides.
+
+    `first` are the first values of its inputs, `lists` all of each input of which there are several.
+    """
 
     name: str
     row: int
@@ -161,14 +163,8 @@ class Trial:
     up: str = "z"
     density_kg_m3: float = 2700.0
     mass_kg: float | None = None
-    azimuth_deg: tuple[float, ...] = (0.0,)
-    contact_tolerance_m: tuple[float | None, ...] = (None,)
-    inset_m: tuple[float, ...] = (0.0,)
-    friction: tuple[float | None, ...] = (None,)
-    sign: tuple[int, ...] = (1,)
-    scale: tuple[float, ...] = (1.0,)
-    baseline: tuple[str, ...] = ("none",)
-    bandpass_hz: tuple[tuple[float, float] | None, ...] = (None,)
+    first: Inputs = Inputs()
+    lists: tuple[tuple[str, tuple[Any, ...]], ...] = ()
     motion: Path | None = None
     column: str | None = None
     column_y: str | None = None
@@ -194,17 +190,13 @@ class Trial:
     @cached_property
     def unknown(self) -> dict[str, tuple[Any, ...]]:
         """The columns of this row that list several values, with them."""
-        return {name: values for name in OPEN if len(values := getattr(self, name)) > 1}
+        return dict(self.lists)
 
     def inputs(self, chosen: Inputs | None = None) -> Inputs:
         """The row's values; of what it does not know the chosen ones (none: the first of each list)."""
         if chosen is None or not self.unknown:
-            return self._first
-        return replace(self._first, **{name: getattr(chosen, name) for name in self.unknown})
-
-    @cached_property
-    def _first(self) -> Inputs:
-        return Inputs(**{name: getattr(self, name)[0] for name in OPEN})
+            return self.first
+        return replace(self.first, **{name: getattr(chosen, name) for name in self.unknown})
 
     @property
     def fell(self) -> bool:
@@ -282,9 +274,10 @@ def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
 
 def _trial(path: Path, row: int, cells: Mapping[str, str], comma: str, mistakes: list[Mistake]) -> Trial:
     """The test of a row, with whatever could be read of it; what is wrong goes to the table's mistakes."""
-    given: dict[str, Any] = {}
+    given: dict[str, list[Any]] = {}
     for name, cell in ((name, cell) for name, cell in cells.items() if cell):
-        column, values, key = COLUMNS[name], [], f"row {row}: {name}"
+        column, key = COLUMNS[name], f"row {row}: {name}"
+        values: list[Any] = []
         for text in map(str.strip, cell.split(column.parted) if column.parted else [cell]):
             try:
                 if column.read is Path:
@@ -294,7 +287,7 @@ def _trial(path: Path, row: int, cells: Mapping[str, str], comma: str, mistakes:
             except InputError as error:
                 mistakes += [replace(each, where=str(path), key=key) for each in error.mistakes]
         if values:
-            given[name] = tuple(dict.fromkeys(values)) if column.parted else values[0]
+            given[name] = list(dict.fromkeys(values))
     scene, mesh, motion = (bool(cells.get(name)) for name in ("scene", "mesh", "motion"))
     of_mesh, of_motion = (" and ".join(name for name in names if cells.get(name)) for names in (OF_MESH, OF_MOTION))
     elsewhere = "say it in its own file"
@@ -312,4 +305,8 @@ def _trial(path: Path, row: int, cells: Mapping[str, str], comma: str, mistakes:
         (of_mesh and scene, "scene", f"{of_mesh} of a mesh", "a scene", elsewhere),
     ]
     mistakes += [Mistake(str(path), f"row {row}: {column}", *told) for broken, column, *told in rules if broken]
-    return Trial(given.pop("test", f"row {row}"), row, given.pop("observed", ""), **given)
+    inputs = {item.name: given.pop(item.name) for item in fields(Inputs) if item.name in given}
+    first = Inputs(**{name: values[0] for name, values in inputs.items()})
+    lists = tuple((name, tuple(values)) for name, values in inputs.items() if len(values) > 1)
+    (name,), (observed,) = given.pop("test", [f"row {row}"]), given.pop("observed", [""])
+    return Trial(name, row, observed, first=first, lists=lists, **{key: value for key, (value,) in given.items()})

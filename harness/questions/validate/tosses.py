@@ -118,14 +118,12 @@ def _wrong(table: Array) -> tuple[str, str] | None:
 def _stood(name: str, table: Array, body: Statue, gravity_m_s2: float) -> Toss:
     """The toss with its heights such that it ends on the table: a camera's height has a bias, rest has none."""
     turns = table[:, 4:8] / np.linalg.norm(table[:, 4:8], axis=1)[:, None]
-    w, x, y, z = turns[-1].tolist()
-    last = Pose((0.0, 0.0, 0.0), (w, x, y, z))
-    lowest = float(table[-1, 3] + np.min(body.outer_points_m @ last.rotation[2]))
+    lowest = float(table[-1, 3] + np.min(body.outer_points_m @ rotation_matrices(turns[-1:])[0, 2]))
     places = table[:, 1:4] - np.array([0.0, 0.0, lowest])
     frame_s = float(table[-1, 0] / (len(table) - 1))
-    (x, y, z), (a, b, c, d), (u, v, w, p, q, r) = places[0].tolist(), turns[0].tolist(), table[0, 8:14].tolist()
     # A backward difference is the velocity of half a frame before.
-    first = Pose((x, y, z), (a, b, c, d), (u, v, w - 0.5 * gravity_m_s2 * frame_s), (p, q, r))
+    velocity = table[0, 8:11] - [0.0, 0.0, 0.5 * gravity_m_s2 * frame_s]
+    first = _pose(places[0], turns[0], velocity, table[0, 11:14])
     start = nearest_flight(body, gravity_m_s2, frame_s, places, turns, first)
     return Toss(name, frame_s, places, turns, start, -lowest, in_flight(body, places, turns))
 
@@ -197,11 +195,12 @@ def _corrected(pose: Pose, turn_rad: Array, spin_rad_s: Array, shift_m: Array, p
     was = _rotations(np.array([pose.quaternion_wxyz]))[0]
     now = Rotation.from_rotvec(turn_rad) * was
     rate = now.inv().apply(was.apply(pose.angular_velocity_rad_s) + spin_rad_s)
-    a, b, c, w = now.as_quat().tolist()
-    x, y, z = (np.array(pose.position_m) + shift_m).tolist()
-    u, v, up = (np.array(pose.velocity_m_s) + push_m_s).tolist()
-    p, q, r = rate.tolist()
-    return Pose((x, y, z), (w, a, b, c), (u, v, up), (p, q, r))
+    return _pose(pose.position_m + shift_m, now.as_quat()[[3, 0, 1, 2]], pose.velocity_m_s + push_m_s, rate)
+
+
+def _pose(*parts: Array) -> Pose:
+    """A pose of its place, quaternion, velocity and angular velocity as arrays."""
+    return Pose(*(tuple(part.tolist()) for part in parts))
 
 
 # One toss computed and scored: how far rotation and place are off at every frame.
@@ -398,8 +397,8 @@ def _score(
         }
 
     def losses(items: Sequence[Coefficients]) -> list[float]:
-        answers, missed = computed(fitting, items), _points_missed if fitted_on == TRAJECTORY else _rates_missed
-        return [missed(fitting, [each[k] for each in answers.values()]) for k in range(len(items))]
+        answers = computed(fitting, items)
+        return [_missed(fitted_on, fitting, [each[k] for each in answers.values()]) for k in range(len(items))]
 
     best, tried = least(losses)
     rows["losses"] += [[model.name, fitted_on, *row] for row in tried]
@@ -462,20 +461,18 @@ def _coefficients(point: Array) -> Coefficients:
     return Coefficients(friction, restitution or None)
 
 
-def _points_missed(tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> float:
-    """Median over all frames of the mean distance of the body's points, m: infinite in a toss that could not be computed."""
+def _missed(fitted_on: str, tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> float:
+    """Median over all frames of the mean distance of the body's points, m, or over all stretches after the first contact of that
+    of their velocities, m/s: infinite in a toss that could not be computed.
+    """
+    by_frame = fitted_on == TRAJECTORY
     missed = [
-        item.points_m if isinstance(item, Errors) else np.full(len(toss.places_m), np.inf)
+        (item.points_m if by_frame else item.rate_m_s)
+        if isinstance(item, Errors)
+        else np.full(len(toss.places_m) if by_frame else 1, np.inf)
         for toss, item in zip(tosses, answers, strict=True)
     ]
     return float(np.median(np.concatenate(missed)))
-
-
-def _rates_missed(_tosses: Sequence[Toss], answers: Sequence[Errors | str]) -> float:
-    """Median over all stretches after the first contact of the mean distance of the points' velocities, m/s."""
-    return float(
-        np.median(np.concatenate([item.rate_m_s if isinstance(item, Errors) else [np.inf] for item in answers]))
-    )
 
 
 def _poses(known: dict[str, Errors], tosses: Sequence[Toss]) -> Rows:

@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import trimesh
 
 from harness import Outcome, RunOptions, simulate
 from harness.questions.validate.scenes import TrialVariant, scene_of
-from harness.questions.validate.table import Trial
+from harness.questions.validate.table import Inputs, Trial
 from harness.questions.validate.validation_run import run_validation
 from harness.records.base import as_file
 
@@ -61,6 +61,14 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
     """The rows of a table as they stand in it."""
     with path.open(newline="", encoding="utf-8") as stream:
         return list(csv.DictReader(stream))
+
+
+def listing(trial: Trial, **lists: Sequence[Any]) -> Trial:
+    """A test with other lists of values of these inputs, as its table may have them."""
+    every = trial.unknown | {name: tuple(values) for name, values in lists.items()}
+    first = replace(trial.first, **{name: values[0] for name, values in lists.items()})
+    names = [item.name for item in fields(Inputs) if len(every.get(item.name, ())) > 1]
+    return replace(trial, first=first, lists=tuple((name, every[name]) for name in names))
 
 
 def seen(trial: Trial, **chosen: Any) -> Outcome:

@@ -20,7 +20,7 @@ from harness.questions.validate.scenes import (
 )
 from harness.questions.validate.table import Trial, read_table
 from tests.budgets_compare import QUANTILE_SE, SAMPLED_SINE_REL, TRAPEZOID_REL
-from tests.harness.questions.validate.experiments import BASE, variant, write_experiments, write_table
+from tests.harness.questions.validate.experiments import BASE, listing, variant, write_experiments, write_table
 
 TURNED = 90.0
 
@@ -136,7 +136,9 @@ def test_bodies_are_drawn_once_for_all_their_tests(tmp_path: Path, monkeypatch: 
 
 
 def test_mass_tolerance_and_worn_edge_reach_the_statue(trial: Trial) -> None:
-    given = replace(trial, azimuth_deg=(0.0,), mass_kg=33.0, contact_tolerance_m=(0.9, None), inset_m=(0.0, 0.004))
+    given = listing(
+        replace(trial, mass_kg=33.0), azimuth_deg=(0.0,), contact_tolerance_m=(0.9, None), inset_m=(0.0, 0.004)
+    )
     high, worn = (
         scene_of(given, variant(given)).statue,
         scene_of(given, variant(given, contact_tolerance_m=None, inset_m=0.004)).statue,
@@ -152,21 +154,21 @@ def test_mass_tolerance_and_worn_edge_reach_the_statue(trial: Trial) -> None:
 @pytest.mark.parametrize("body", ["stone", "block"])
 def test_an_edge_is_worn_as_far_as_the_table_says(trial: Trial, tmp_path: Path, body: str) -> None:
     """By a quarter of the base and more; what leaves no base under the centroid is refused before any run."""
-    given = replace(trial, azimuth_deg=(0.0,), inset_m=(0.0, 0.06))
+    given = listing(trial, azimuth_deg=(0.0,), inset_m=(0.0, 0.06))
     if body == "block":
         (tmp_path / "block.toml").write_text(SCENE)
         given = replace(given, mesh=None, motion=None, scene=tmp_path / "block.toml")
-    whole, worn = (scene_of(given, variant(given, inset_m=by)).statue for by in given.inset_m)
+    whole, worn = (scene_of(given, variant(given, inset_m=by)).statue for by in given.unknown["inset_m"])
     assert worn.corner_left_m == pytest.approx(whole.corner_left_m - 0.06)
     assert worn.corner_right_m == pytest.approx(whole.corner_right_m - 0.06)
     intensity_of(given)
     for by in (0.12, 0.5):
         with pytest.raises(InputError, match="leaves a base"):
-            intensity_of(replace(given, inset_m=(0.0, by)))
+            intensity_of(listing(given, inset_m=(0.0, by)))
 
 
 def test_sign_and_scale_reach_the_motion(trial: Trial) -> None:
-    mirrored = scene_of(trial, variant(replace(trial, sign=(-1,), scale=(2.0,))))
+    mirrored = scene_of(trial, variant(listing(trial, sign=(-1,), scale=(2.0,))))
     t = np.linspace(0.0, 2.0, 50)
     assert mirrored.base_excitation.x.accel_m_s2(t) == pytest.approx(
         -2.0 * np.asarray(scene_of(trial, variant(trial)).base_excitation.x.accel_m_s2(t))
@@ -208,7 +210,7 @@ def test_a_scene_of_numbers_keeps_its_motion_and_cannot_be_turned(tmp_path: Path
     block = read_table(write_table(tmp_path / "table.csv", rows))[0]
     scene = scene_of(block, variant(block))
     assert scene.duration_s == 3.0
-    assert intensity_of(replace(block, azimuth_deg=(0.0,))).pga_g == pytest.approx(0.3, rel=1e-3)
+    assert intensity_of(listing(block, azimuth_deg=(0.0,))).pga_g == pytest.approx(0.3, rel=1e-3)
     narrower = scene_of(block, variant(block))
     assert narrower.statue.corner_left_m == 0.1
     drawn = scene_of(block, variant(block, 1)).statue  # its base's edge is drawn, its turn is not

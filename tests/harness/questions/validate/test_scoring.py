@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -47,14 +46,15 @@ from harness.questions.validate.table import Inputs, Trial, read_table
 from harness.records.study import CaseRun
 from tests import doubles
 from tests.budgets_compare import QUANTILE_SE
-from tests.harness.questions.validate.experiments import variant, write_experiments
+from tests.harness.questions.validate.experiments import listing, variant, write_experiments
 from tests.scenes_for_tests import paestum
 
 STANDS, FALLS = Outcome.STANDS.value, Outcome.OVERTURNED_RIGHT
 
 
-def trial(name: str, fell: bool, *, body: str = "a", **lists: Any) -> Trial:
-    return Trial(name, 1, FELL if fell else STANDS, mesh=Path(body), **lists)
+def trial(name: str, fell: bool, *, body: str = "a", **columns: Any) -> Trial:
+    lists = {name: columns.pop(name) for name in vars(Inputs()) if name in columns}
+    return listing(Trial(name, 1, FELL if fell else STANDS, mesh=Path(body), **columns), **lists)
 
 
 def answer(fell: bool, **fields: Any) -> CaseRun:
@@ -237,7 +237,7 @@ def test_repeats_that_disagree_are_a_ceiling() -> None:
     # What is not known of a set-up may differ between days: such tests repeat none of another day.
     apart = [trial(f"d{k}", k > 0, day=str(k), scale=(0.9, 1.0)) for k in range(2)]
     assert repeats_of(apart) is None
-    assert repeats_of([replace(each, scale=(1.0,)) for each in apart]) is not None
+    assert repeats_of([listing(each, scale=(1.0,)) for each in apart]) is not None
 
 
 def test_a_share_of_two_tests_leaves_the_scatter_as_assumed() -> None:

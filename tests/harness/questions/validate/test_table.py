@@ -15,10 +15,10 @@ def test_a_table_is_read_with_its_defaults(tmp_path: Path) -> None:
     trials = read_table(write_experiments(tmp_path, [2.0, 4.0], azimuth_deg="0;45;90", share="fit"))
     assert [trial.name for trial in trials] == ["t0", "t1"]
     first = trials[0]
-    assert first.azimuth_deg == (0.0, 45.0, 90.0)
-    assert first.friction == (None,)
+    assert first.unknown == {"azimuth_deg": (0.0, 45.0, 90.0)}
+    assert first.inputs().friction is None
     assert first.mesh == (tmp_path / "stone.ply").resolve()
-    assert (first.unit, first.up, first.sign, first.scale) == ("m", "z", (1,), (1.0,))
+    assert (first.unit, first.up, first.inputs().sign, first.inputs().scale) == ("m", "z", 1, 1.0)
     assert first.share == "fit"
     assert not first.fell
 
@@ -94,8 +94,8 @@ def test_outcomes_may_be_numbers_and_motions_are_treated(tmp_path: Path) -> None
     first = read_table(path)[0]
     assert first.fell
     assert first.observed == "overturned"
-    assert (first.mass_kg, first.baseline, first.bandpass_hz) == (12.5, ("linear",), ((0.2, 20.0),))
-    assert first.inset_m == (0.0, 0.002)
+    assert (first.mass_kg, first.inputs().baseline, first.inputs().bandpass_hz) == (12.5, "linear", (0.2, 20.0))
+    assert first.unknown == {"inset_m": (0.0, 0.002)}
     assert not read_table(write_experiments(tmp_path, [2.0], observed="0"))[0].fell
 
 
@@ -124,7 +124,7 @@ def test_every_input_of_a_test_may_be_a_list_each_body_s_own(tmp_path: Path) -> 
     rows = read_rows(path)
     (tmp_path / "other.ply").write_bytes((tmp_path / "stone.ply").read_bytes())
     rows.append(rows[0] | {"test": "t1", "mesh": "other.ply", "scale": "0.5;0.6"})
-    assert [trial.scale for trial in read_table(write_table(path, rows))] == [(0.9, 1.0, 1.1), (0.5, 0.6)]
+    assert [trial.unknown["scale"] for trial in read_table(write_table(path, rows))] == [(0.9, 1.0, 1.1), (0.5, 0.6)]
 
 
 def test_unknown_inputs_share_one_list(tmp_path: Path) -> None:
