@@ -28,6 +28,12 @@ class AnalyticInputError(ValueError):
     """Raised for numbers that no run can use; the sentence says what was wanted, what came and what to do."""
 
 
+def require(holds: object, sentence: str, *came: object) -> None:
+    """Raise AnalyticInputError unless something holds; the sentence has braces for what came, and is made only then."""
+    if not holds:
+        raise AnalyticInputError(sentence.format(*came))
+
+
 # Rotation matrices of quaternions.
 
 Floats = NDArray[np.float64]
@@ -78,20 +84,26 @@ class Block:
         """Check the numbers."""
         positive(mass_kg=self.mass_kg, centroid_height_m=self.centroid_height_m, inertia_kg_m2=self.inertia_kg_m2)
         points = np.asarray(self.profile_m, dtype=np.float64)
-        if points.ndim != 2 or points.shape[0] < 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-            raise AnalyticInputError(f"profile_m: at least two finite (x, z) are wanted, {self.profile_m!r} came.")
-        if (np.diff(points[:, 0]) <= 0.0).any():
-            raise AnalyticInputError("profile_m: x increasing from left to right is wanted: sort the vertices.")
-        if (np.diff(self.arrays[2]) <= 0.0).any():
-            raise AnalyticInputError(
-                "profile_m: a convex lower profile is wanted: leave out vertices that cannot touch."
-            )
-        if not points[0, 0] < 0.0 < points[-1, 0] or (points[:, 1] >= self.centroid_height_m).any():
-            raise AnalyticInputError(
-                "profile_m: a base under the centroid is wanted, its corners on both sides of x = 0."
-            )
-        if not min(self.base_ends_rad) > 0.0:
-            raise AnalyticInputError(f"base_ends_rad: positive leans are wanted, {self.base_ends_rad!r} came.")
+        require(
+            points.ndim == 2 and points.shape[0] > 1 and points.shape[1] == 2 and np.isfinite(points).all(),
+            "profile_m: at least two finite (x, z) are wanted, {!r} came.",
+            self.profile_m,
+        )
+        require(
+            (np.diff(points[:, 0]) > 0.0).all(),
+            "profile_m: x increasing from left to right is wanted: sort the vertices.",
+        )
+        require(
+            (np.diff(self.arrays[2]) > 0.0).all(),
+            "profile_m: a convex lower profile is wanted: leave out vertices that cannot touch.",
+        )
+        require(
+            points[0, 0] < 0.0 < points[-1, 0] and (points[:, 1] < self.centroid_height_m).all(),
+            "profile_m: a base under the centroid is wanted, its corners on both sides of x = 0.",
+        )
+        require(
+            min(self.base_ends_rad) > 0.0, "base_ends_rad: positive leans are wanted, {!r} came.", self.base_ends_rad
+        )
 
     @classmethod
     def two_corners(
@@ -186,8 +198,7 @@ class Pedestal:
     def __post_init__(self) -> None:
         """Check the numbers."""
         positive(mass_kg=self.mass_kg, width_m=self.width_m, height_m=self.height_m)
-        if not math.isfinite(self.offset_m):
-            raise AnalyticInputError(f"offset_m: a finite number is wanted, {self.offset_m!r} came.")
+        require(math.isfinite(self.offset_m), "offset_m: a finite number is wanted, {!r} came.", self.offset_m)
 
 
 @final
@@ -204,14 +215,20 @@ class Friction:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        if not (math.isfinite(self.static) and 0.0 <= self.kinetic <= self.static):
-            came = f"static = {self.static!r}, kinetic = {self.kinetic!r}"
-            raise AnalyticInputError(f"friction: 0 ≤ kinetic ≤ static is wanted, {came} came.")
-        if self.impact not in ("kinetic", "static") and not (
-            isinstance(self.impact, int | float) and self.kinetic <= self.impact <= self.static
-        ):
-            wanted = f'friction at impact: "kinetic", "static" or a number from {self.kinetic!r} to {self.static!r}'
-            raise AnalyticInputError(f"{wanted} is wanted, {self.impact!r} came.")
+        kinetic, static, impact = self.kinetic, self.static, self.impact
+        require(
+            math.isfinite(static) and 0.0 <= kinetic <= static,
+            "friction: 0 ≤ kinetic ≤ static is wanted, static = {!r}, kinetic = {!r} came.",
+            static,
+            kinetic,
+        )
+        require(
+            impact in ("kinetic", "static") or (isinstance(impact, int | float) and kinetic <= impact <= static),
+            'friction at impact: "kinetic", "static" or a number from {!r} to {!r} is wanted, {!r} came.',
+            kinetic,
+            static,
+            impact,
+        )
 
     @property
     def at_impact(self) -> float:
@@ -246,10 +263,13 @@ class Form:
             "choice": CHOICES,
         }
         for name, words in known.items():
-            if getattr(self, name) not in words:
-                raise AnalyticInputError(f"{name}: {' or '.join(words)} is wanted, {getattr(self, name)!r} came.")
-        if self.restitution is not None and not 0.0 <= self.restitution <= 1.0:
-            raise AnalyticInputError(f"restitution: a ratio from 0 to 1 is wanted, {self.restitution!r} came.")
+            came = getattr(self, name)
+            require(came in words, "{}: {} is wanted, {!r} came.", name, " or ".join(words), came)
+        require(
+            self.restitution is None or 0.0 <= self.restitution <= 1.0,
+            "restitution: a ratio from 0 to 1 is wanted, {!r} came.",
+            self.restitution,
+        )
 
     @classmethod
     def paper(cls, restitution: float) -> Self:
@@ -271,12 +291,14 @@ class Wall:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        if self.side not in ("left", "right"):
-            raise AnalyticInputError(f"side: left or right is wanted, {self.side!r} came.")
+        require(self.side in ("left", "right"), "side: left or right is wanted, {!r} came.", self.side)
         positive(distance_m=self.distance_m)
         points = np.asarray(self.silhouette_m, dtype=np.float64)
-        if points.ndim != 2 or points.shape[0] < 1 or points.shape[1] != 2 or not np.isfinite(points).all():
-            raise AnalyticInputError(f"silhouette_m: finite (x, z) are wanted, {self.silhouette_m!r} came.")
+        require(
+            points.ndim == 2 and points.shape[0] > 0 and points.shape[1] == 2 and np.isfinite(points).all(),
+            "silhouette_m: finite (x, z) are wanted, {!r} came.",
+            self.silhouette_m,
+        )
 
     @property
     def sign(self) -> int:

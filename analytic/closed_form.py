@@ -23,7 +23,7 @@ import math
 from dataclasses import dataclass
 from typing import final
 
-from analytic.block import GRAVITY_M_S2, AnalyticInputError, positive
+from analytic.block import GRAVITY_M_S2, positive, require
 
 # --- free rocking ---------------------------------------------------------------------------------------------------
 
@@ -45,10 +45,12 @@ def quarter_period_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> flo
     from scipy.special import elliprf
 
     positive(theta0_rad=theta0_rad, alpha_rad=alpha_rad, p_rad_s=p_rad_s)
-    if not theta0_rad < alpha_rad < 0.5 * math.pi:
-        raise AnalyticInputError(
-            f"wanted 0 < theta0_rad < alpha_rad < π/2, got {theta0_rad!r} and {alpha_rad!r}; beyond α the block falls outwards"
-        )
+    require(
+        theta0_rad < alpha_rad < 0.5 * math.pi,
+        "wanted 0 < theta0_rad < alpha_rad < π/2, got {!r} and {!r}; beyond α the block falls outwards",
+        theta0_rad,
+        alpha_rad,
+    )
     complement = math.sin(0.5 * (alpha_rad - theta0_rad))
     tangent = math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
     amplitude = math.atan2(tangent, math.cos(0.5 * alpha_rad) * complement)
@@ -119,8 +121,7 @@ def harmonic_first_slip(
     positive(
         accel_m_s2=accel_m_s2, frequency_hz=frequency_hz, static=static, kinetic=kinetic, gravity_m_s2=gravity_m_s2
     )
-    if kinetic > static:
-        raise AnalyticInputError(f"wanted kinetic ≤ static friction, got {kinetic!r} above {static!r}")
+    require(kinetic <= static, "wanted kinetic ≤ static friction, got {!r} above {!r}", kinetic, static)
     if accel_m_s2 <= static * gravity_m_s2:
         return None
     omega, limit = 2.0 * math.pi * frequency_hz, kinetic * gravity_m_s2
@@ -144,8 +145,7 @@ def harmonic_steady_slip_range_m(
     """
     positive(accel_m_s2=accel_m_s2, frequency_hz=frequency_hz, kinetic=kinetic, gravity_m_s2=gravity_m_s2)
     eta, bound = kinetic * gravity_m_s2 / accel_m_s2, 1.0 / math.hypot(1.0, 0.5 * math.pi)
-    if eta > bound:
-        raise AnalyticInputError(f"wanted μ_k g/A ≤ {bound:.4f}, got {eta:.4f}; the block sticks during each cycle")
+    require(eta <= bound, "wanted μ_k g/A ≤ {:.4f}, got {:.4f}; the block sticks during each cycle", bound, eta)
     return 2.0 * accel_m_s2 / (2.0 * math.pi * frequency_hz) ** 2 * math.sqrt(1.0 - (0.5 * math.pi * eta) ** 2)
 
 
@@ -217,10 +217,12 @@ def rolling_cylinder(
     transverse, axial = (3.0 * a * a + 4.0 * h * h) / 12.0, 0.5 * a * a  # per unit mass
     righting = g * (a * cos - h * sin)
     resisting = transverse * sin * cos - axial * sin * (h * sin - rho) / a + rho * (h * cos + a * sin)
-    if righting <= 0.0 or resisting <= 0.0:
-        raise AnalyticInputError(
-            f"no steady rolling: wanted tilt_rad below atan(a/h) = {math.atan2(a, h):.4f}, got {tilt_rad!r}"
-        )
+    require(
+        righting > 0.0 and resisting > 0.0,
+        "no steady rolling: wanted tilt_rad below atan(a/h) = {:.4f}, got {!r}",
+        math.atan2(a, h),
+        tilt_rad,
+    )
     precession = math.sqrt(righting / resisting)
     axial_rate = precession * (h * sin - rho) / a
     return RollingCylinder(

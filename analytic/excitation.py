@@ -16,7 +16,7 @@ from typing import Final, Literal, Self, final, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.block import AnalyticInputError
+from analytic.block import require
 
 # What every floor motion offers, and the motion that is none.
 
@@ -34,10 +34,10 @@ MOST_CYCLES: Final = 1000.0
 
 def require_finite(name: str, value: float, *, positive: bool = False, least: float = -math.inf) -> None:
     """Raise AnalyticInputError unless value is finite, positive if asked, and at least least."""
-    if not math.isfinite(value) or (positive and value <= 0.0) or value < least:
-        wanted = "a positive number" if positive else "a finite number"
-        wanted += f" of at least {least:g}" if math.isfinite(least) else ""
-        raise AnalyticInputError(f"{name}: {wanted} is wanted, {value!r} came.")
+    wanted = "a positive number" if positive else "a finite number"
+    wanted += f" of at least {least:g}" if math.isfinite(least) else ""
+    holds = math.isfinite(value) and value >= least and (value > 0.0 or not positive)
+    require(holds, "{}: {} is wanted, {!r} came.", name, wanted, value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,18 +153,23 @@ class SampledAcceleration(Excitation):
     def __init__(self, t_s: ArrayLike, accel_m_s2: ArrayLike) -> None:
         """Copy the samples; raise AnalyticInputError unless they are a record."""
         t, a = (np.array(values, dtype=np.float64) for values in (t_s, accel_m_s2))
-        if t.ndim != 1 or t.shape != a.shape or t.size < 2:
-            raise AnalyticInputError(
-                f"record: two equally long rows of at least 2 are wanted, {t.shape}, {a.shape} came."
-            )
-        if not (np.isfinite(t).all() and np.isfinite(a).all()):
-            bad = int(np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))[0])
-            raise AnalyticInputError(f"record: finite numbers are wanted, sample {bad} is ({t[bad]}, {a[bad]}).")
-        if t[0] < 0.0 or (np.diff(t) <= 0.0).any():
-            bad = 0 if t[0] < 0.0 else int(np.flatnonzero(np.diff(t) <= 0.0)[0]) + 1
-            raise AnalyticInputError(
-                f"record: strictly increasing times from 0 are wanted, sample {bad} is at {t[bad]} s: sort them."
-            )
+        require(
+            t.ndim == 1 and t.shape == a.shape and t.size > 1,
+            "record: two equally long rows of at least 2 are wanted, {}, {} came.",
+            t.shape,
+            a.shape,
+        )
+        finite = np.isfinite(t) & np.isfinite(a)
+        bad = int(np.argmin(finite))
+        require(finite.all(), "record: finite numbers are wanted, sample {} is ({}, {}).", bad, t[bad], a[bad])
+        later = np.append(t[0] >= 0.0, np.diff(t) > 0.0)
+        bad = int(np.argmin(later))
+        require(
+            later.all(),
+            "record: strictly increasing times from 0 are wanted, sample {} is at {} s: sort them.",
+            bad,
+            t[bad],
+        )
         for name, values in (("t_s", t), ("samples_m_s2", a)):
             values.setflags(write=False)
             object.__setattr__(self, name, values)
@@ -378,9 +383,8 @@ class Pulse(Excitation):
 
     def __post_init__(self) -> None:
         """Reject what is not a pulse."""
-        if self.shape not in get_args(PulseShape):
-            wanted = ", ".join(get_args(PulseShape))
-            raise AnalyticInputError(f"shape: one of {wanted} is wanted, {self.shape!r} came.")
+        known = get_args(PulseShape)
+        require(self.shape in known, "shape: one of {} is wanted, {!r} came.", ", ".join(known), self.shape)
         require_finite("amplitude_m_s2", self.amplitude_m_s2)
         require_finite("duration_s", self.duration_s, positive=True)
         require_finite("start_s", self.start_s, least=0.0)

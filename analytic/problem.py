@@ -22,6 +22,7 @@ from analytic.block import (
     Pedestal,
     Wall,
     positive,
+    require,
 )
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from analytic.kernel.codes import HARMONIC, NONE, PULSES, SAMPLED
@@ -62,23 +63,23 @@ class Problem:
         Friction(self.floor_static, self.floor_kinetic, self.floor_impact)
         theta0_rad, rate_rad_s, overturn_rad = self.theta0_rad, self.theta_rate0_rad_s, self.overturn_rad
         positive(duration_s=self.duration_s, gravity_m_s2=self.gravity_m_s2, overturn_rad=overturn_rad)
-        if not overturn_rad < 0.5 * math.pi or not abs(theta0_rad) < overturn_rad or not math.isfinite(rate_rad_s):
-            wanted = (
-                f"|theta0_rad| < overturn_rad < π/2 and a finite rate are wanted, {theta0_rad!r}, {overturn_rad!r},"
-            )
-            raise AnalyticInputError(f"{wanted} {rate_rad_s!r} came.")
-        if not self.statue_friction >= 0.0:
-            raise AnalyticInputError(f"statue_friction: a number from 0 is wanted, {self.statue_friction!r} came.")
-        if self.wall is not None:
-            self._check_wall(self.wall)
-
-    def _check_wall(self, wall: Wall) -> None:
-        gap_m = wall.gap_m(self.block, self.theta0_rad)
-        if not gap_m > 0.0:
-            wanted = "wall: a start before it is wanted"
-            raise AnalyticInputError(f"{wanted}, a statue that reaches {-gap_m:.6g} m beyond it came.")
-        if self.pedestal is not None and not (gap_m := wall.pedestal_gap_m(self.block, self.pedestal)) > 0.0:
-            raise AnalyticInputError(f"wall: one beside the pedestal is wanted, one {-gap_m:.6g} m inside it came.")
+        require(
+            abs(theta0_rad) < overturn_rad < 0.5 * math.pi and math.isfinite(rate_rad_s),
+            "|theta0_rad| < overturn_rad < π/2 and a finite rate are wanted, {!r}, {!r}, {!r} came.",
+            theta0_rad,
+            overturn_rad,
+            rate_rad_s,
+        )
+        friction = self.statue_friction
+        require(friction >= 0.0, "statue_friction: a number from 0 is wanted, {!r} came.", friction)
+        if self.wall is None:
+            return
+        gap_m = self.wall.gap_m(self.block, theta0_rad)
+        told = "wall: a start before it is wanted, a statue that reaches {:.6g} m beyond it came."
+        require(gap_m > 0.0, told, -gap_m)
+        if self.pedestal is not None:
+            gap_m = self.wall.pedestal_gap_m(self.block, self.pedestal)
+            require(gap_m > 0.0, "wall: one beside the pedestal is wanted, one {:.6g} m inside it came.", -gap_m)
 
 
 @final
@@ -106,8 +107,7 @@ class Options:
         positive(accuracy_rad=self.accuracy_rad)
         if self.dt_s is not None:
             positive(dt_s=self.dt_s)
-        if not self.step_cap_s > 0.0:
-            raise AnalyticInputError(f"step_cap_s: a positive number is wanted, {self.step_cap_s!r} came.")
+        require(self.step_cap_s > 0.0, "step_cap_s: a positive number is wanted, {!r} came.", self.step_cap_s)
 
 
 class CommonKeywords(TypedDict, total=False):

@@ -25,7 +25,7 @@ from typing import Final, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.block import AnalyticInputError
+from analytic.block import require
 
 __all__ = ["PulseResponse", "minimum_overturning_spectrum", "overturning_ranges", "pulse_response"]
 
@@ -111,10 +111,15 @@ def pulse_response(
 ) -> PulseResponse:
     """Response to one full period of a sine or cosine; after it the outcome follows from the free motion's energy."""
     a, omega, r = amplitude_over_g_alpha, omega_over_p, restitution
-    if not (a >= 0.0 and omega > 0.0 and 0.0 <= r <= 1.0 and math.isfinite(a * omega)) or kind not in PHASE:
-        raise AnalyticInputError(
-            f"wanted amplitude ≥ 0, ω/p > 0, 0 ≤ restitution ≤ 1 and kind in {sorted(PHASE)}; got {a}, {omega}, {r}, {kind!r}"
-        )
+    require(
+        a >= 0.0 and omega > 0.0 and 0.0 <= r <= 1.0 and math.isfinite(a * omega) and kind in PHASE,
+        "wanted amplitude ≥ 0, ω/p > 0, 0 ≤ restitution ≤ 1 and kind in {}; got {}, {}, {}, {!r}",
+        sorted(PHASE),
+        a,
+        omega,
+        r,
+        kind,
+    )
     phase, end = PHASE[kind], 2.0 * math.pi / omega
     step = end / SAMPLES
     t, rate, side, impacts, peak = 0.0, 0.0, 0, 0, 0.0
@@ -177,8 +182,8 @@ def overturning_ranges(
     The number of impacts tells the modes apart: 1 rocks once and falls to the other side, 0 falls at once. Ranges
     narrower than `resolution` can be missed. A range still open at `highest` ends with inf.
     """
-    if not (highest > 1.0 and 0.0 < resolution < 1.0):
-        raise AnalyticInputError(f"wanted highest > 1 and 0 < resolution < 1, got {highest!r} and {resolution!r}")
+    told = "wanted highest > 1 and 0 < resolution < 1, got {!r} and {!r}"
+    require(highest > 1.0 and 0.0 < resolution < 1.0, told, highest, resolution)
 
     def label(a: float) -> int:
         response = pulse_response(a, omega_over_p, restitution, kind)

@@ -7,12 +7,13 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal, NamedTuple, Self, final
+from functools import partial
+from typing import Any, Final, Literal, NamedTuple, Self, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, AnalyticInputError, Block, Form, Pedestal, Wall
+from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, Block, Form, Pedestal, Wall, require
 from analytic.excitation import Excitation
 from analytic.kernel import codes
 from analytic.kernel.records import (
@@ -175,6 +176,7 @@ TWO_PI: Final = 2.0 * math.pi
 
 Progress = Callable[[int, int], None]
 """Called with the runs done and the runs in all."""
+Piece = TypeVar("Piece")
 
 
 @final
@@ -286,9 +288,8 @@ def ensemble(
         "validity": domain,
     }
     rows = _rows(*stated(block, motion_x, motion_z, outcome_only), flat)
-    size = math.prod(shape)
-    out = Out.of(size)
-    _work(rows, out, size, threads or os.cpu_count() or 1, progress)
+    out = Out.of(math.prod(shape))
+    in_pieces(partial(run_rows, rows, out), math.prod(shape), threads, progress)
 
     def shaped(column: NDArray[Any]) -> NDArray[Any]:
         return np.ascontiguousarray(column).reshape(shape)
@@ -315,13 +316,12 @@ def flattened(
 
     Raises AnalyticInputError for other names than those known, for none, and for numbers that are not finite.
     """
-    unknown = sorted(set(sweep) - set(known))
-    if unknown or not sweep:
-        raise AnalyticInputError(f"sweep: some of {', '.join(known)} are wanted, {', '.join(unknown) or 'none'} came.")
+    unknown = ", ".join(sorted(set(sweep) - set(known)))
+    told = "sweep: some of {} are wanted, {} came."
+    require(sweep and not unknown, told, ", ".join(known), unknown or "none")
     columns = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
     wrong = [name for name, values in columns.items() if not np.isfinite(values).all()]
-    if wrong:
-        raise AnalyticInputError(f"sweep: finite numbers are wanted in {', '.join(wrong)}.")
+    require(not wrong, "sweep: finite numbers are wanted in {}.", ", ".join(wrong))
     shape = np.broadcast_shapes(*(values.shape for values in columns.values()))
     return shape, {name: np.broadcast_to(values, shape).ravel() for name, values in columns.items()}
 
@@ -354,24 +354,24 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
     """The kernel's records row by row, and the shared samples."""
     block = problem.block
     size = next(iter(sweep.values())).size
-    params = _filled(PARAMS, size, row(encode(problem, options)))
-    given_x, *samples_x = encode_motion(problem.motion_x)
-    given_z, *samples_z = encode_motion(problem.motion_z)
-    xs, zs = _filled(MOTION_PARAMS, size, row(given_x)), _filled(MOTION_PARAMS, size, row(given_z))
+    params = np.repeat(np.array([row(encode(problem, options))], PARAMS), size)
+    *given, samples = _encoded([(problem.motion_x, problem.motion_z)])
+    xs, zs = (np.repeat(each, size) for each in given)
     corners_x, corners_z, facets = (np.tile(each, (size, 1)) for each in block.arrays)
     for name, values in sweep.items():
         if name in _PARAMETERS:
             params[name] = values * HELD if name == "statue_friction" else values
         elif name in _BASE:
-            if len(block.profile_m) != 2:
-                raise AnalyticInputError(f"sweep: {name} belongs to a block of two corners.")
+            require(len(block.profile_m) == 2, "sweep: {} belongs to a block of two corners.", name)
             corners_x[:, _BASE.index(name)] = -values if name == "corner_left_m" else values
         else:
             _vary_motion(name, values, xs, zs)
     if "floor_impact" not in sweep and problem.floor_impact in ("kinetic", "static"):
         params["floor_impact"] = params[f"floor_{problem.floor_impact}"]
-    if problem.wall is not None and set(sweep) & set(_BASE):
-        raise AnalyticInputError("sweep: corners are wanted without a wall: its place is told from one of them.")
+    require(
+        problem.wall is None or not set(sweep) & set(_BASE),
+        "sweep: corners are wanted without a wall: its place is told from one of them.",
+    )
     _check(params, corners_x, xs)
     if set(sweep) & {"mass_kg", "centroid_height_m", "inertia_kg_m2", "gravity_m_s2", *_BASE}:
         params["time_scale_s"] = _time_scale(params, corners_x, corners_z)
@@ -383,14 +383,7 @@ def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Ro
     for name in ("stands", "outline_x", "outline_z", "n_outline"):
         bases[name] = getattr(shared, name)
     outline = () if problem.wall is None else problem.wall.arrays
-    return Rows(params, xs, zs, bases, (corners_x, corners_z, facets, *samples_x, *samples_z, block.stands_m, *outline))
-
-
-def _filled(record: np.dtype[np.void], size: int, values: tuple[Any, ...]) -> Records:
-    """The same values in each row."""
-    rows = np.zeros(size, record)
-    rows[:] = values
-    return rows
+    return Rows(params, xs, zs, bases, (corners_x, corners_z, facets, *samples, block.stands_m, *outline))
 
 
 def _time_scale(params: Records, corners_x: Floats, corners_z: Floats) -> Floats:
@@ -410,45 +403,56 @@ def _vary_motion(name: str, values: Floats, xs: Records, zs: Records) -> None:
         rows["scale"] *= values
         return
     kind = int(xs["kind"][0])
-    if kind not in (codes.HARMONIC, codes.SINE, codes.COSINE, codes.RECTANGULAR):
-        raise AnalyticInputError(f"sweep: {name} needs a harmonic or pulse motion_x; use scale for records.")
+    require(
+        kind in (codes.HARMONIC, codes.SINE, codes.COSINE, codes.RECTANGULAR),
+        "sweep: {} needs a harmonic or pulse motion_x; use scale for records.",
+        name,
+    )
     if name in ("amplitude_m_s2", "phase_rad"):
         xs[name] = values
-    elif kind == codes.RECTANGULAR:
-        raise AnalyticInputError("sweep: a rectangular pulse has no frequency_hz.")
-    else:
-        xs["omega_rad_s"] = TWO_PI * values
-        if kind != codes.HARMONIC:
-            xs["end_s"] = xs["start_s"] + 1.0 / values
+        return
+    require(kind != codes.RECTANGULAR, "sweep: a rectangular pulse has no frequency_hz.")
+    xs["omega_rad_s"] = TWO_PI * values
+    if kind != codes.HARMONIC:
+        xs["end_s"] = xs["start_s"] + 1.0 / values
 
 
 def _check(params: Records, corners_x: Floats, xs: Records) -> None:
-    positive = ("mass_kg", "centroid_height_m", "inertia_kg_m2", "duration_s", "gravity_m_s2")
-    numbers = any((params[name] <= 0.0).any() for name in positive)
-    if numbers or (corners_x[:, 0] >= 0.0).any() or (corners_x[:, -1] <= 0.0).any():
-        raise AnalyticInputError("sweep: positive masses, lengths, inertias, durations and gravities are wanted.")
-    if (params["floor_kinetic"] > params["floor_static"]).any() or (params["floor_kinetic"] < 0.0).any():
-        raise AnalyticInputError("sweep: 0 ≤ floor_kinetic ≤ floor_static is wanted.")
+    positive = [
+        params[each] for each in ("mass_kg", "centroid_height_m", "inertia_kg_m2", "duration_s", "gravity_m_s2")
+    ]
     acts, kinetic, static = params["floor_impact"], params["floor_kinetic"], params["floor_static"]
-    if (params["has_pedestal"] & ((acts < kinetic) | (acts > static))).any():
-        raise AnalyticInputError("sweep: floor_kinetic ≤ floor_impact ≤ floor_static is wanted.")
-    if (params["has_pedestal"] & (params["pedestal_mass_kg"] <= 0.0)).any():
-        raise AnalyticInputError("sweep: positive pedestal masses are wanted.")
-    if (np.abs(params["theta0_rad"]) >= params["overturn_rad"]).any() or (params["restitution"] > 1.0).any():
-        raise AnalyticInputError("sweep: |theta0_rad| below the overturning limit and ratios up to 1 are wanted.")
-    if (xs["omega_rad_s"][xs["kind"] != codes.NONE] < 0.0).any():
-        raise AnalyticInputError("sweep: positive frequencies are wanted.")
+    floor, starts = ~params["has_pedestal"], np.abs(params["theta0_rad"]) < params["overturn_rad"]
+    holds = {
+        "positive masses, lengths, inertias, durations and gravities are wanted": (
+            np.array([*positive, -corners_x[:, 0], corners_x[:, -1]]) > 0.0
+        ),
+        "0 ≤ floor_kinetic ≤ floor_static is wanted": (kinetic >= 0.0) & (kinetic <= static),
+        "floor_kinetic ≤ floor_impact ≤ floor_static is wanted": floor | ((kinetic <= acts) & (acts <= static)),
+        "positive pedestal masses are wanted": floor | (params["pedestal_mass_kg"] > 0.0),
+        "|theta0_rad| below the overturning limit and ratios up to 1 are wanted": starts
+        & (params["restitution"] <= 1.0),
+        "positive frequencies are wanted": (xs["omega_rad_s"] >= 0.0) | (xs["kind"] == codes.NONE),
+    }
+    for wanted, each in holds.items():
+        require(each.all(), "sweep: {}.", wanted)
 
 
-def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bool) -> None:
-    """Share the rows among threads; each row's result depends on nothing but the row."""
-    step = max(1, -(-size // (threads * CHUNKS_PER_THREAD)))
-    with ThreadPoolExecutor(threads) as pool:
+def in_pieces(
+    work: Callable[[int, int], Piece],
+    size: int,
+    threads: int | None,
+    progress: Progress | bool = False,
+    most: int | None = None,
+) -> list[Piece]:
+    """What work(start, stop) gives of pieces of so many rows, at most `most` in each, shared among threads (None: all cores)."""
+    workers = threads or os.cpu_count() or 1
+    step = max(1, min(most or size, -(-size // (workers * CHUNKS_PER_THREAD))))
+    with ThreadPoolExecutor(workers) as pool:
         waiting = {
-            pool.submit(run_rows, rows, out, start, min(start + step, size)): min(step, size - start)
-            for start in range(0, size, step)
+            pool.submit(work, start, min(start + step, size)): min(step, size - start) for start in range(0, size, step)
         }
-        ended: Iterable[Future[None]] = as_completed(waiting)
+        ended: Iterable[Future[Piece]] = as_completed(waiting)
         if progress is True:
             from rich.progress import track
 
@@ -459,6 +463,7 @@ def _work(rows: Rows, out: Out, size: int, threads: int, progress: Progress | bo
             done += waiting[future]
             if callable(progress):
                 progress(done, size)
+        return [each.result() for each in waiting]
 
 
 def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.block import AnalyticInputError
+from analytic.block import require
 from analytic.kernel.records import Records
 from analytic.spatial.kernel.codes import OVERTURNED
 from analytic.spatial.kernel.records import MOST
 from analytic.spatial.problem import Floats, Problem
 from analytic.spatial.solution import OUTCOMES
 from analytic.spatial.solver import prepare, run_all
-from analytic.sweep import flattened
+from analytic.sweep import flattened, in_pieces
 
 SWEEPABLE: Final = ("scale", "vertical_scale", "heading_rad", "friction")
 """What a sweep may vary: factors of all motions and of the vertical one, the body's heading (turned to the left, so that
@@ -28,8 +26,6 @@ TOLERANCE: Final = 1e-7
 """Local error where only the outcome is asked."""
 CHUNK: Final = 128
 """Runs whose memories (some 40 kB each) are there at one time, for each thread."""
-PIECES: Final = 16
-"""Pieces of a sweep for each thread: runs take 500 steps at the median and 20 000 at the most, and two threads end apart."""
 
 
 @final
@@ -69,22 +65,14 @@ def outcomes(
     Raises AnalyticInputError for unknown names and numbers that cannot be run.
     """
     shape, flat = flattened(sweep, SWEEPABLE)
-    if (flat.get("friction", np.zeros(1)) < 0.0).any():
-        raise AnalyticInputError("sweep: no negative friction is wanted.")
-    size = math.prod(shape)
+    require((flat.get("friction", np.zeros(1)) >= 0.0).all(), "sweep: no negative friction is wanted.")
     task = prepare(problem, tolerance, None, math.inf, 0, most_steps)
-    workers = threads or os.cpu_count() or 1
-    chunk = min(CHUNK, -(-size // (PIECES * workers))) or 1
-    pieces = [slice(start, min(start + chunk, size)) for start in range(0, size, chunk)]
 
-    def work(piece: slice) -> tuple[Records, Floats]:
-        part = {name: values[piece] for name, values in flat.items()}
-        return _run(task.run, task.memory, part, piece.stop - piece.start)
+    def work(start: int, stop: int) -> tuple[Records, Floats]:
+        part = {name: values[start:stop] for name, values in flat.items()}
+        return _run(task.run, task.memory, part, stop - start)
 
-    with ThreadPoolExecutor(workers) as pool:
-        parts = list(pool.map(work, pieces))
-    runs = np.concatenate([part[0] for part in parts])
-    turns = np.concatenate([part[1] for part in parts])
+    runs, turns = map(np.concatenate, zip(*in_pieces(work, math.prod(shape), threads, most=CHUNK), strict=True))
     w, x, y, z = turns.T
     axis = np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1)
     return Outcomes(

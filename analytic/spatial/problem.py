@@ -11,7 +11,7 @@ from typing import Final, Self, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, AnalyticInputError, positive
+from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, positive, require, rotation_matrices
 from analytic.excitation import Excitation, ZeroExcitation
 from analytic.spatial.kernel.records import MAX_VERTICES
 
@@ -40,22 +40,33 @@ class Body:
         """Check and copy the numbers."""
         positive(mass_kg=mass_kg)
         inertia, vertices = (np.array(each, dtype=np.float64) for each in (inertia_kg_m2, vertices_m))
-        if inertia.shape != (3, 3) or not np.isfinite(inertia).all():
-            raise AnalyticInputError(f"inertia_kg_m2: a finite (3, 3) tensor is wanted, {inertia.shape} came.")
-        if not np.allclose(inertia, inertia.T, rtol=0.0, atol=SYMMETRIC * np.abs(inertia).max()):
-            raise AnalyticInputError("inertia_kg_m2: a symmetric tensor is wanted.")
+        require(
+            inertia.shape == (3, 3) and np.isfinite(inertia).all(),
+            "inertia_kg_m2: a finite (3, 3) tensor is wanted, {} came.",
+            inertia.shape,
+        )
+        require(
+            np.allclose(inertia, inertia.T, rtol=0.0, atol=SYMMETRIC * np.abs(inertia).max()),
+            "inertia_kg_m2: a symmetric tensor is wanted.",
+        )
         inertia = 0.5 * (inertia + inertia.T)
         moments = np.linalg.eigvalsh(inertia)
-        if moments[0] <= 0.0 or moments[2] > (1.0 + SYMMETRIC) * (moments[0] + moments[1]):
-            raise AnalyticInputError(
-                f"inertia_kg_m2: positive principal moments, none above the others' sum, are wanted, {moments} came."
-            )
-        if vertices.ndim == 2 and vertices.shape[0] > MAX_VERTICES:
-            raise AnalyticInputError(
-                f"vertices_m: at most {MAX_VERTICES} vertices are wanted, {vertices.shape[0]} came: leave out the flattest."
-            )
-        if vertices.ndim != 2 or vertices.shape[0] < 3 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
-            raise AnalyticInputError(f"vertices_m: at least three finite (x, y, z) are wanted, {vertices.shape} came.")
+        require(
+            moments[0] > 0.0 and moments[2] <= (1.0 + SYMMETRIC) * (moments[0] + moments[1]),
+            "inertia_kg_m2: positive principal moments, none above the others' sum, are wanted, {} came.",
+            moments,
+        )
+        require(
+            vertices.ndim != 2 or vertices.shape[0] <= MAX_VERTICES,
+            "vertices_m: at most {} vertices are wanted, {} came: leave out the flattest.",
+            MAX_VERTICES,
+            len(vertices),
+        )
+        require(
+            vertices.ndim == 2 and vertices.shape[0] > 2 and vertices.shape[1] == 3 and np.isfinite(vertices).all(),
+            "vertices_m: at least three finite (x, y, z) are wanted, {} came.",
+            vertices.shape,
+        )
         for name, value in (("mass_kg", float(mass_kg)), ("inertia_kg_m2", inertia), ("vertices_m", vertices)):
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
@@ -117,13 +128,14 @@ class Problem:
     def __post_init__(self) -> None:
         """Check the numbers."""
         positive(duration_s=self.duration_s, gravity_m_s2=self.gravity_m_s2, overturn_rad=self.overturn_rad)
-        kinetic = self.kinetic
-        if not (0.0 <= kinetic <= self.friction_static):
-            raise AnalyticInputError(
-                f"0 ≤ friction_kinetic ≤ friction_static is wanted, {kinetic!r} and {self.friction_static!r} came."
-            )
-        if not 0.0 <= self.restitution <= 1.0:
-            raise AnalyticInputError(f"restitution: a number from 0 to 1 is wanted, {self.restitution!r} came.")
+        require(
+            0.0 <= self.kinetic <= self.friction_static,
+            "0 ≤ friction_kinetic ≤ friction_static is wanted, {!r} and {!r} came.",
+            self.kinetic,
+            self.friction_static,
+        )
+        share = self.restitution
+        require(0.0 <= share <= 1.0, "restitution: a number from 0 to 1 is wanted, {!r} came.", share)
         vectors = {
             "position_m": (self.position_m or (0.0, 0.0, 0.0), 3),
             "quaternion_wxyz": (self.quaternion_wxyz, 4),
@@ -131,10 +143,10 @@ class Problem:
             "angular_velocity_rad_s": (self.angular_velocity_rad_s, 3),
         }
         for name, (value, size) in vectors.items():
-            if len(value) != size or not all(math.isfinite(item) for item in value):
-                raise AnalyticInputError(f"{name}: {size} finite numbers are wanted, {tuple(value)!r} came.")
-        if abs(math.hypot(*self.quaternion_wxyz) - 1.0) > UNIT:
-            raise AnalyticInputError(f"quaternion_wxyz: length one is wanted, {tuple(self.quaternion_wxyz)!r} came.")
+            holds = len(value) == size and all(math.isfinite(item) for item in value)
+            require(holds, "{}: {} finite numbers are wanted, {!r} came.", name, size, tuple(value))
+        turn = tuple(self.quaternion_wxyz)
+        require(abs(math.hypot(*turn) - 1.0) <= UNIT, "quaternion_wxyz: length one is wanted, {!r} came.", turn)
 
     @property
     def kinetic(self) -> float:
@@ -148,8 +160,6 @@ class Problem:
         Without a given place the lowest vertex is put on the floor. The velocity is the centroid's, as given: one that turns
         about a vertex is given ω × (centroid − vertex), which the angular velocity alone does not bring.
         """
-        from analytic.block import rotation_matrices
-
         turn = np.array(self.quaternion_wxyz) / math.hypot(*self.quaternion_wxyz)
         velocity, spin = np.array(self.velocity_m_s), np.array(self.angular_velocity_rad_s)
         if self.position_m is None:
