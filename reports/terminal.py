@@ -114,14 +114,16 @@ def _validation_rows(record: ValidationRecord, verbose: bool) -> list[str]:
 
 def _body_rows(record: ValidationRecord, most: int | None) -> list[str]:
     """How many tests of each body every model has right, of `most` bodies: by P ≥ ½ where there are draws."""
-    by_body: dict[str, list[str]] = {}
-    for item in record.models.values():
-        for each in item.by_body:
-            row = by_body.setdefault(each.body, [each.body, str(each.tests), str(each.fell)])
-            known = each.by_probability or each.accuracy
-            row.append("–" if known is None else ENGLISH.percent(known.value))
-    heading = ["body", "tests", "fell", *record.models]
-    return _first([heading], [*by_body.values()], most, "body bodies") if len(by_body) > 1 else []
+    by_body = grouped((each.body, each) for item in record.models.values() for each in item.by_body)
+    rows = [
+        [body, str(by_model[0].tests), str(by_model[0].fell)]
+        + [
+            ENGLISH.percent(known.value) if (known := each.by_probability or each.accuracy) else "–"
+            for each in by_model
+        ]
+        for body, by_model in by_body.items()
+    ]
+    return _first([["body", "tests", "fell", *record.models]], rows, most, "body bodies") if len(rows) > 1 else []
 
 
 def rate(item: Interval | None) -> str:

@@ -224,11 +224,12 @@ def engines(as_json: JsonOnly = False) -> None:
         for name in REGISTRY
         for engine in [load(name)]
     ]
-    lines = []
-    for row in rows:
-        able = ", ".join(key.replace("_", " ") for key, value in row.items() if value is True)
-        state = f"not installed: {row['missing']}" if row["missing"] else "ready"
-        lines.append(f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {able}")
+    states = [f"not installed: {row['missing']}" if row["missing"] else "ready" for row in rows]
+    able = [", ".join(key.replace("_", " ") for key, value in row.items() if value is True) for row in rows]
+    lines = [
+        f"{row['engine']:10} {row['dimensions']}D  {state}\n{'':10} {what}"
+        for row, state, what in zip(rows, states, able, strict=True)
+    ]
     OutputOptions(as_json).say(rows, "\n".join(lines))
 
 

@@ -80,11 +80,10 @@ def histories_figure(inspection: MotionInspection) -> Json:
         for name, each in zip(words, inspection.traces, strict=True)
     ]  # fmt: skip
     end = max(float(each.series.t_s[-1]) for each in inspection.traces)
-    rows: list[tuple[list[Json], float]] = []
-    for name in ("accel", "velocity", "displacement"):
-        lines = named(_looks(words, 1.3), legend=not rows, chosen=False)
-        y = axis(name, ENGLISH(f"chart.{name}"), tickCount=6)
-        rows.append(([marks("line", "traces", {"y": y} | lines)], 205.0))
+    kinds, looks = ("accel", "velocity", "displacement"), _looks(words, 1.3)
+    axes = [{"y": axis(name, ENGLISH(f"chart.{name}"), tickCount=6)} for name in kinds]
+    lines = [named(looks, legend=k == 0, chosen=False) for k in range(len(kinds))]
+    rows = [([marks("line", "traces", y | drawn)], 205.0) for y, drawn in zip(axes, lines, strict=True)]
     return rows_of(rows, across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0}), {"traces": parts})
 
 

@@ -174,9 +174,8 @@ def of_run(source: RunSource, say: Language = ENGLISH) -> list[Block]:
     support, motion = support_of(source.scene), source.record.motion
     plan = floor_plan(source, source.standing)
     said = [] if source.record.answer is None else source.record.answer.findings
-    ends = [end for each in said if each.code == TIE for end in each.values["outcomes"]]
-    tie = [say("run.tie")] if "overturned" in ends else []
-    points = [*open_, *_shaking(source, say), *given, *tie, *_lean(source, say)]
+    tie = any(each.code == TIE and "overturned" in each.values["outcomes"] for each in said)
+    points = [*open_, *_shaking(source, say), *given, *told(say, {"run.tie": tie}), *_lean(source, say)]
     pictures = [
         reach_picture(source, say),
         plan_picture(source, plan, _pedestal_slip(source, say), say),
@@ -263,18 +262,18 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
     unknown = nominal if any(end is not Outcome.STANDS for end in ends) else say("chance.open")
     if undecided >= 1.0:
         return unknown, [], []
-    told = {"wall": wall, "undecided": undecided}
-    open_ = {key: say(f"chance.{key}", share=_share(share, say)) for key, share in told.items() if share}
+    left = {"wall": wall, "undecided": undecided}
+    open_ = {key: say(f"chance.{key}", share=_share(share, say)) for key, share in left.items() if share}
     known = any(not each.plane_only for each in source.record.assessment.values())
-    plane = [say("chance.plane"), *([] if known else [say("chance.plane_open")])] if item.plane_only else []
+    plane = [" ".join(told(say, {"chance.plane": True, "chance.plane_open": not known}))] if item.plane_only else []
     said = [] if source.record.answer is None else source.record.answer.findings
     if any(CONTRADICTED in each.values.get("planar", ()) for each in said):
         # What makes it end otherwise as given is in none of the draws.
-        return nominal, [], [f"{_falls(item, say)}.", say("chance.cases"), *open_.values(), " ".join(plane)]
+        return nominal, [], [f"{_falls(item, say)}.", say("chance.cases"), *open_.values(), *plane]
     # Beside a share of falls stand the cases of which it does not tell, unless they are next to none.
-    beside = [text for key, text in open_.items() if item.tells and wall < MOSTLY and told[key] >= NEXT_TO_NONE]
+    beside = [text for key, text in open_.items() if item.tells and wall < MOSTLY and left[key] >= NEXT_TO_NONE]
     rest = [text for text in open_.values() if text not in beside]
-    basis = [say("chance.cases"), *rest, *([" ".join(plane)] if plane else [])]
+    basis = [say("chance.cases"), *rest, *plane]
     if wall >= MOSTLY:
         often = "wall_always" if wall > 1.0 - NEXT_TO_NONE else "wall_mostly"
         return say(f"chance.{often}", share=f"{100.0 * wall:.0f}"), beside, basis
@@ -350,12 +349,9 @@ def _who(source: RunSource, say: Language) -> list[str]:
 
 def _leaning(source: RunSource) -> list[str]:
     """The models whose statue leans past the angle at which it balances when their run ends."""
-    found = []
-    for name, history in source.histories.items():
-        last_rad = float(history.theta_rad[-1])
-        past = abs(last_rad) > source.scene.statue.slenderness_rad(1 if last_rad > 0.0 else -1)
-        found += [name] if past and source.runs[name].outcome is Outcome.UNDECIDED else []
-    return found
+    ends = {name: float(each.theta_rad[-1]) for name, each in source.histories.items()}
+    statue, undecided = source.scene.statue, [name for name in ends if source.runs[name].outcome is Outcome.UNDECIDED]
+    return [name for name in undecided if abs(ends[name]) > statue.slenderness_rad(1 if ends[name] > 0.0 else -1)]
 
 
 def _worst_lean(source: RunSource) -> tuple[float, float, float, int]:

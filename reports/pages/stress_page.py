@@ -67,22 +67,19 @@ def _scene(scene: HardRow, engines: Sequence[str], say: Language) -> list[str | 
         ])])
         for name, each in scene.known.items()
     ]  # fmt: skip
-    row: list[str | Cell] = [
-        Cell(say.word(scene.name), below=say.word(scene.note), folds=known),
-        say.word(scene.wanted),
-    ]
-    for name in engines:
-        if name not in scene.got:
-            row.append(Cell("–"))
-            continue
-        right = scene.right(name)
-        text = "; ".join([say.word(scene.got[name]), *_listed(scene.failed(name), say)]) + (
-            "*" if name in scene.known else ""
-        )
-        row.append(Cell(text, "claim holds" if right else "claim does-not-hold", sign="✓" if right else "✕"))
     checks = [f"{name}: {text}" for name, found in scene.checks.items() for text in _listed(found, say)]
     folded = [Details(say("text.checks", count=len(checks)), [Text(checks, "notes")])] if checks else []
-    return [*row, Cell(folds=folded)]
+    named = Cell(say.word(scene.name), below=say.word(scene.note), folds=known)
+    return [named, say.word(scene.wanted), *(_given(scene, name, say) for name in engines), Cell(folds=folded)]
+
+
+def _given(scene: HardRow, name: str, say: Language) -> Cell:
+    """What an engine gave of a hard scene, and whether that is right."""
+    if name not in scene.got:
+        return Cell("–")
+    text = "; ".join([say.word(scene.got[name]), *_listed(scene.failed(name), say)])
+    style, sign = ("claim holds", "✓") if scene.right(name) else ("claim does-not-hold", "✕")
+    return Cell(f"{text}*" if name in scene.known else text, style, sign=sign)
 
 
 def _map(engine: str, cells: Sequence[Found], say: Language) -> Group:

@@ -6,7 +6,7 @@ from typing import Final
 
 from harness.model.run_set import grouped
 from harness.records.run import in_domain
-from harness.records.study import StudyRecord, StudyRow
+from harness.records.study import ClaimVerdict, StudyRecord, StudyRow
 from reports.blocks import (
     Block,
     Cell,
@@ -107,15 +107,16 @@ def blocks(_folder: Path, record: StudyRecord, say: Language) -> list[Block]:
 
 def _claims(record: StudyRecord, say: Language) -> list[Section]:
     """The paper's claims down, the models across, each with its verdict and what it rests on."""
-    rows: dict[str, list[str | Cell]] = {}
-    for item in record.claims or ():
-        row = rows.setdefault(item.claim, [f"({item.claim}) {say(f'claim.{item.claim}')}"])
-        text = item.evidence.text or say.say(item.evidence)
-        style = f"claim {item.verdict.replace(' ', '-')}"
-        row.append(Cell(item.verdict, style, text, JUDGED[item.verdict], below=text))
+    judged = grouped((item.claim, _judged(item, say)) for item in record.claims or ())
+    rows: list[list[str | Cell]] = [[f"({claim}) {say(f'claim.{claim}')}", *cells] for claim, cells in judged.items()]
     heads = [_head(name) for name in dict.fromkeys(item.model for item in record.claims or ())]
-    claims = Table(say("table.claims"), [say("label.claim"), *heads], [*rows.values()], "claims")
+    claims = Table(say("table.claims"), [say("label.claim"), *heads], rows, "claims")
     return section(say, "claims", words(say, "claims"), claims) if rows else []
+
+
+def _judged(item: ClaimVerdict, say: Language) -> Cell:
+    text = item.evidence.text or say.say(item.evidence)
+    return Cell(item.verdict, f"claim {item.verdict.replace(' ', '-')}", text, JUDGED[item.verdict], below=text)
 
 
 def _head(model: str) -> Cell:
