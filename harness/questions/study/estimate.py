@@ -11,7 +11,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.scene import Scene
 from harness.questions.scene.witness import BUDGET
 from harness.questions.scene.workload import LONGEST_S
@@ -110,20 +110,14 @@ def _sent(study: StudyFile) -> float:
     return min(study.points * (study.ask.audit + COARSEST**-2.0) + BOUNDARY * along, float(study.points))
 
 
-def sentence(study: StudyFile, cpu_s: float, workers: int) -> str:
-    """The size of a study in words."""
+def check(study: StudyFile, cpu_s: float, workers: int, where: str, *, large: bool = False) -> str:
+    """The size of a study in words. Raises `InputError` for more cases or hours than anyone starts without knowing it."""
     cases = study.points * len(study.variant)
     at_most = "at most " if study.ask.cases != "all" else ""
     spent, clock = duration_words(cpu_s), duration_words(cpu_s / workers)
     size = f"{counted(cases, 'case')}, {at_most}{counted(study.runs, 'run')}"
-    return f"{size}: {at_most}about {spent} of processor time, {clock} by the clock (workers: {workers})"
-
-
-def check(study: StudyFile, cpu_s: float, workers: int, where: str, *, large: bool = False) -> str:
-    """What the study will take, in words. Raises `InputError` for more cases or hours than anyone starts without knowing it."""
-    told = sentence(study, cpu_s, workers)
-    if large or (study.points * len(study.variant) <= MOST_CASES and cpu_s / workers <= LONGEST_S):
-        return told
+    told = f"{size}: {at_most}about {spent} of processor time, {clock} by the clock (workers: {workers})"
     wanted = f"at most {MOST_CASES} cases and {duration_words(LONGEST_S)}"
     advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"
-    raise InputError(Mistake(where, "vary", wanted, told, advice))
+    require(large or (cases <= MOST_CASES and cpu_s / workers <= LONGEST_S), where, wanted, told, advice, key="vary")
+    return told

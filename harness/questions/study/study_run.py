@@ -22,7 +22,7 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simu
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.loop import refuse_steering
 from harness.input.overrides import plain
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.run import NUMBERS, RunOptions, to_plain, versions
 from harness.model.run_set import RunSet, run_set
 from harness.model.scene import Scene, must_be_scene
@@ -303,14 +303,11 @@ def sweep(
     """
     check_target(accuracy_rad, None)
     engines.load(engine)
-    if not isinstance(values, Mapping) or not values:
-        wanted = 'values by dotted key, such as {"motion.x.amplitude_g": [0.2, 0.3]}'
-        raise InputError(Mistake("sweep", "values", wanted, repr(values)))
+    wanted = 'values by dotted key, such as {"motion.x.amplitude_g": [0.2, 0.3]}'
+    require(isinstance(values, Mapping) and values, "sweep", wanted, repr(values), key="values")
     axes = {key: _values(key, given) for key, given in values.items()}
     must_be_scene(scene, "sweep")
-    if not scene.given:
-        wanted = "a scene that was loaded, whose keys are known"
-        raise InputError(Mistake("sweep", "scene", wanted, "one made of parts"))
+    require(scene.given, "sweep", "a scene that was loaded, whose keys are known", "one made of parts", key="scene")
     settings = [dict(zip(axes, point, strict=True)) for point in itertools.product(*axes.values())]
     asked = accuracy_rad or DEFAULT_ACCURACY_RAD
     single = all(isinstance(value, Value) for value in itertools.chain(*axes.values()))

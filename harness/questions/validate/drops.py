@@ -18,7 +18,7 @@ from scipy.stats.qmc import LatinHypercube
 
 from harness import engines
 from harness.accuracy.simulation import simulate_with
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import Array
 from harness.model.run import RunOptions
@@ -73,8 +73,8 @@ def read_drops(path: Path, body: Scene) -> tuple[list[Drop], dict[str, str]]:
     """All drops of a table, and those that are refused, by why. Raises `InputError` for a wrong table."""
     drops, refused = [], {}
     for name, table in read_groups(path, COLUMNS):
-        if not np.array_equal(table[:, 0], np.arange(len(table))):
-            raise InputError(Mistake(str(path), f"drop {name}: row", "0, 1, 2 and so on", f"from {table[0, 0]:g}"))
+        counted = np.array_equal(table[:, 0], np.arange(len(table)))
+        require(counted, str(path), "0, 1, 2 and so on", f"from {table[0, 0]:g}", key=f"drop {name}: row")
         found = _drop(name, table[:, 1:4], body)
         if isinstance(found, Drop):
             drops.append(found)
@@ -249,14 +249,11 @@ def scored_drops(measured: MeasuredSet) -> MeasuredRecord:
     Each drop is run in `samples` draws (0: 32) of its measured start and of the two coefficients; how the draws are weighed is
     fitted. Raises `InputError` for a wrong table, model or number.
     """
-    if not 0 <= measured.samples <= MOST_SAMPLES:
-        wanted = f"a whole number from 0 to {MOST_SAMPLES}"
-        raise InputError(Mistake("--samples", "", wanted, str(measured.samples)))
     base, seed, count, models = measured.base, measured.seed, measured.samples or SAMPLES, measured.asked(ENGINES)
+    require(0 <= count <= MOST_SAMPLES, "--samples", f"a whole number from 0 to {MOST_SAMPLES}", str(count))
     drops, refused = read_drops(measured.table, base)
-    if len(drops) < 4:
-        wanted = "four drops that begin in flight and come to rest"
-        raise InputError(Mistake(str(measured.table), "", wanted, str(len(drops))))
+    wanted = "four drops that begin in flight and come to rest"
+    require(len(drops) >= 4, str(measured.table), wanted, str(len(drops)))
     fitted, rest = measured.shares(len(drops))
     scored = _Scored(drops, fitted, rest)
     rows: Rows = []

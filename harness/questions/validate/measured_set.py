@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -15,7 +16,7 @@ from harness import engines
 from harness.accuracy.simulation import RunTarget
 from harness.input.scene_file import load_scene
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import InputError, Mistake, refuse
+from harness.model.errors import Mistake, refuse, require
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
 from harness.questions.validate.jobs import Model, parse_model
@@ -73,8 +74,8 @@ def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
     Raises `InputError` with every line that is wrong, and for a name that comes back after another.
     """
     first, *lines = _lines(path)
-    if tuple(name.strip() for name in first.split(",")) != tuple(columns):
-        raise InputError(Mistake(str(path), "header", ", ".join(columns), first or "nothing"))
+    headed = tuple(name.strip() for name in first.split(",")) == tuple(columns)
+    require(headed, str(path), ", ".join(columns), first or "nothing", key="header")
     rows: list[tuple[str, list[float]]] = []
     mistakes = []
     for number, line in enumerate(lines, 2):
@@ -94,14 +95,14 @@ def read_groups(path: Path, columns: Sequence[str]) -> list[tuple[str, Array]]:
             if not abs(value) <= LARGEST
         ]
         rows.append((name.strip(), values))
-    if not rows and not mistakes:
-        raise InputError(Mistake(str(path), "", "at least one line of numbers", "none"))
+    require(rows or mistakes, str(path), "at least one line of numbers", "none")
     refuse(mistakes)
     groups = [(name, np.array([values for _, values in same])) for name, same in groupby(rows, lambda row: row[0])]
-    names = [name for name, _ in groups]
-    if again := [name for name in names if names.count(name) > 1]:
-        wanted = f"all lines of a {columns[0]} after each other"
-        raise InputError(Mistake(str(path), f"{columns[0]} {again[0]}", wanted, "others between them"))
+    wanted = f"all lines of a {columns[0]} after each other"
+    seen = Counter(name for name, _ in groups)
+    refuse(
+        [Mistake(str(path), f"{columns[0]} {name}", wanted, "others between them") for name in seen if seen[name] > 1]
+    )
     return groups
 
 

@@ -22,7 +22,7 @@ from harness.input.mesh_statue import statue_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.history import Array
 from harness.model.run import Capabilities
 from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
@@ -132,9 +132,8 @@ def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int 
     every = [*reversed([*enumerate(numbered, 1)]), *reversed([*enumerate(headers, 1)])]
     places: dict[str | None, int] = {name: place for place, name in every}
     for key, name in (("time_column", time_column), ("column", column)):
-        if name not in places:
-            wanted, got = f"a column of {', '.join(headers or numbered)}", repr(name) if name else "nothing"
-            raise InputError(Mistake(str(path), key, wanted, got))
+        wanted, got = f"a column of {', '.join(headers or numbered)}", repr(name) if name else "nothing"
+        require(name in places, str(path), wanted, got, key=key)
     return {"time_column": places[time_column], "columns": f"{places[column]}:a", "column": "a", "skip_lines": first}
 
 
@@ -301,9 +300,8 @@ def _turned(trial: Trial, inputs: Inputs, edge_m: float = 0.0) -> Statue:
         return statue
     if statue.solid is not None:
         return _statue(statue.solid, trial.body, azimuth_deg, inset_m, edge_m)
-    if azimuth_deg:
-        wanted = "0: the scene's statue is given by numbers alone, which say nothing of other directions"
-        raise InputError(Mistake(str(trial.scene), f"test {trial.name}: azimuth_deg", wanted, f"{azimuth_deg:g}"))
+    wanted = "0: the scene's statue is given by numbers alone, which say nothing of other directions"
+    require(not azimuth_deg, str(trial.scene), wanted, f"{azimuth_deg:g}", key=f"test {trial.name}: azimuth_deg")
     return inset(statue, inset_m, edge_m)
 
 
@@ -359,9 +357,11 @@ def intensity_of(trial: Trial) -> Intensity:
     of_body = {name: trial.unknown.get(name, ()) for name in ("azimuth_deg", "contact_tolerance_m", "inset_m")}
     for each in [inputs, *(replace(inputs, **{name: value}) for name in of_body for value in of_body[name])]:
         statue = _turned(trial, each)
-        if not min(statue.corner_left_m, statue.corner_right_m) > 0.0:
-            wanted = "an inset that leaves a base under the centroid"
-            raise InputError(Mistake(trial.body, f"test {trial.name}: inset_m", wanted, f"{each.inset_m:g}"))
+        wanted, stands = (
+            "an inset that leaves a base under the centroid",
+            min(statue.corner_left_m, statue.corner_right_m),
+        )
+        require(stands > 0.0, trial.body, wanted, f"{each.inset_m:g}", key=f"test {trial.name}: inset_m")
     motion = motion_of(trial, inputs)
     peaks = intensity(motion.x, _duration_s(trial, motion, otherwise_s))
     return Intensity(inputs.scale * peaks.pga_g, inputs.scale * peaks.pgv_m_s)

@@ -14,7 +14,7 @@ from typing import Any, Final
 from harness.comparison.statistics.outcomes import FELL
 from harness.input import paths
 from harness.input.text_file import decoded, numbers, read_bytes
-from harness.model.errors import InputError, Mistake, nearest, refuse
+from harness.model.errors import InputError, Mistake, nearest, refuse, require
 from harness.model.history import Outcome
 from harness.model.run_set import grouped
 
@@ -46,8 +46,7 @@ def number(wanted: str, above: float = -math.inf) -> Callable[[str], float]:
 
     def read(text: str) -> float:
         (value,) = numbers([text])
-        if not (abs(value) <= LARGEST and value > above):
-            raise InputError(Mistake("", "", wanted, repr(text)))
+        require(abs(value) <= LARGEST and value > above, "", wanted, repr(text))
         return value
 
     return read
@@ -61,9 +60,9 @@ NUMBERS: Final = number(f"a finite number, at most {LARGEST:g} (several with {LI
 def band(text: str) -> tuple[float, float] | None:
     """Reads two corner frequencies, or none."""
     ends = numbers(text.split(LIST))
-    if text not in ("", "none") and not (len(ends) == 2 and 0.0 < ends[0] < ends[1] <= LARGEST):
-        raise InputError(Mistake("", "", "two frequencies, low;high (several with |)", repr(text)))
-    return (ends[0], ends[1]) if len(ends) == 2 else None
+    good = len(ends) == 2 and 0.0 < ends[0] < ends[1] <= LARGEST
+    require(good or text in ("", "none"), "", "two frequencies, low;high (several with |)", repr(text))
+    return (ends[0], ends[1]) if good else None
 
 
 @dataclass(frozen=True)
@@ -216,8 +215,7 @@ def read_table(path: Path) -> list[Trial]:
         lines = [line for line in rows if line and not line[0].lstrip().startswith("#")]
     except csv.Error as error:
         raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
-    if len(lines) < 2:
-        raise InputError(Mistake(str(path), "", "a header line and at least one test", f"{len(lines)} lines"))
+    require(len(lines) >= 2, str(path), "a header line and at least one test", f"{len(lines)} lines")
     names = [name.strip() for name in lines[0]]
     mistakes = _header(path, names)
     refuse(mistakes)

@@ -22,7 +22,7 @@ from analytic import spatial
 from analytic.block import rotation_matrices
 from harness import engines
 from harness.accuracy.simulation import simulate_with
-from harness.model.errors import InputError, Mistake, refuse
+from harness.model.errors import Mistake, refuse, require
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import Array, History
 from harness.model.scene import Contact, Pose, Scene, Statue, rotations
@@ -340,9 +340,7 @@ def scored_tosses(measured: MeasuredSet) -> MeasuredRecord:
     """
     base, models = measured.base, measured.asked(TOSS_ENGINES)
     tosses, clock = read_tosses(measured.table, base.statue, base.gravity_m_s2)
-    if len(tosses) < 2:
-        wanted = "two tosses: one to fit, one to score"
-        raise InputError(Mistake(str(measured.table), "", wanted, str(len(tosses))))
+    require(len(tosses) >= 2, str(measured.table), "two tosses: one to fit, one to score", str(len(tosses)))
     # How many runs a fit takes is not known before.
     measured.on_progress(0, 0)
     fitting, rest = ([tosses[k] for k in numbers] for numbers in measured.shares(len(tosses)))

@@ -19,7 +19,7 @@ from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import read_history
 from harness.input.paths import read_files
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake, refuse
+from harness.model.errors import InputError, Mistake, refuse, require
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run_set import grouped
 from harness.questions.validate import drops, impact_ratios, tosses
@@ -257,12 +257,11 @@ def _unexplained(trials: Sequence[Trial], answered: Sequence[ModelAnswers]) -> l
 def _check(folder: Path, samples: int, resume: bool, models: Sequence[Model]) -> None:
     for place, model in enumerate(models):
         before = [each.name for each in models[:place] if not each.near]
-        if model.near and model.near not in before:
-            raise InputError(Mistake("--engine", "", "near= a model that is named before", model.name))
-        if model.near and not samples:
-            raise InputError(Mistake("--samples", "", f"draws, which tell what is near, for {model.name}", "0"))
-    if not 0 <= samples <= MAX_SAMPLES:
-        raise InputError(Mistake("--samples", "", f"a whole number from 0 to {MAX_SAMPLES}", str(samples)))
+        known = not model.near or model.near in before
+        require(known, "--engine", "near= a model that is named before", model.name)
+        drawn = not model.near or samples
+        require(drawn, "--samples", f"draws, which tell what is near, for {model.name}", "0")
+    require(0 <= samples <= MAX_SAMPLES, "--samples", f"a whole number from 0 to {MAX_SAMPLES}", str(samples))
     if resume:
         check_begun(folder, "a validation")
 
