@@ -10,7 +10,7 @@ from harness.model.history import History, pair
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.assess import FragilityRecord
 from harness.records.bench import LEVEL, TARGET, PrecisionRow, ScalingRow
-from harness.records.validation import Curves, ValidationRecord
+from harness.records.validation import BaselineRecord, Curves, ModelRecord, TestRow, ValidationRecord
 from reports.charts import Json
 from reports.charts.figure import (
     HAIRLINE,
@@ -210,16 +210,22 @@ BASELINE_LOOK: Final = Look("#8a6d00", "2 3")
 DASHES: Final = ("", "6 4", "1.5 3", "6 3 1.5 3", "10 4")
 
 
+Seen = Sequence[tuple[str, Look, Curves]]
+"""What was measured and each model by name: how its line is drawn, and its curves."""
+Scored = Sequence[tuple[str, Look, ModelRecord | BaselineRecord]]
+"""Each model and the threshold of intensity."""
+
+
 def charts(record: ValidationRecord, say: Language = ENGLISH) -> list[tuple[str, str, Json]]:
     """Accuracy by model, tests in PGA against PGV/PGA with contours, fragility curves, accuracy by intensity."""
     looks = styles({name: item.engine for name, item in record.models.items()})
+    models = [(name, looks[name], item) for name, item in record.models.items()]
+    seen: Seen = [(say("chart.measured"), Look(INK, "", 3.0), record.observed), *models]
+    scored: Scored = [*models, (say("word.pgv_threshold"), BASELINE_LOOK, record.baseline)]
     drawn = {
-        "accuracy": _accuracy(record, looks, say),
-        "plane": _plane(record, looks, say),
-        "fragility": _fragility(record, looks, say),
-    }
-    if record.samples:
-        drawn["reliability"] = _reliability(record, looks, say)
+        "accuracy": _accuracy(scored, say), "plane": _plane(record.rows, seen, say), "fragility": _fragility(seen, say),
+        "reliability": _reliability(scored, say) if record.samples else None,
+    }  # fmt: skip
     return [(name, say(f"chart.validation_{name}"), each) for name, each in drawn.items() if each is not None]
 
 
@@ -234,32 +240,29 @@ def styles(engine_of: Mapping[str, str]) -> dict[str, Look]:
     return looks
 
 
-def _accuracy(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json:
+def _accuracy(scored: Scored, say: Language) -> Json:
     """The share of tests of which each model said the end, beside what the threshold of intensity says."""
-    threshold = say("word.pgv_threshold")
-    scores = {name: item.outcomes for name, item in record.models.items()} | {threshold: record.baseline.outcomes}
-    rows = {name: each.accuracy for name, each in scores.items() if each.accuracy is not None}
+    rows = {name: each.outcomes.accuracy for name, _, each in scored if each.outcomes.accuracy is not None}
     parts = [
         {"name": name, "y": [name], "tip": [f"{name} {100 * item.value:.0f} %"], **columns_of([item], 100.0, "x")}
         for name, item in rows.items()
     ]
-    colour = named({**styles, threshold: BASELINE_LOOK}, legend=False)["color"]
+    colour = named({name: look for name, look, _ in scored}, legend=False)["color"]
     layers = estimates("shares", {"color": colour}, "x")
     x = across("x", say("chart.right"), {"domain": [0, 100]})
     return figure(layers, 40 + 40 * len(rows), {"shares": parts}, x, names("y", list(rows), grid=False))
 
 
-def _plane(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json:
+def _plane(tests: Sequence[TestRow], seen: Seen, say: Language) -> Json:
     """Every test by its intensities, with each model's contour of even chances."""
-    tests: list[Json] = []
     stood, fallen = say("chart.stood"), say("chart.fell")
-    for fell, words in ((False, stood), (True, fallen)):
-        rows = [row for row in record.rows if row.observed.startswith(FELL) == fell and row.pga_g > 0.0]
-        points = [
+    parts = [
+        {"kind": words, **columns("x y tip", [
             (row.pgv_m_s / (GRAVITY_M_S2 * row.pga_g), row.pga_g, f"{row.test}: {say.digits(row.pga_g)} g, {words}")
-            for row in rows
-        ]
-        tests.append({"kind": words, **columns("x y tip", points)})
+            for row in tests if row.pga_g > 0.0 and row.observed.startswith(FELL) == fell
+        ])}
+        for fell, words in ((False, stood), (True, fallen))
+    ]  # fmt: skip
     kind: Json = {"field": "kind", "type": "nominal"}
     sign = {
         "shape": kind | {"scale": {"domain": [stood, fallen], "range": ["circle", "M-1-1L1 1M-1 1L1-1"]}},
@@ -268,30 +271,21 @@ def _plane(record: ValidationRecord, styles: Mapping[str, Look], say: Language) 
     layers = [marks("point", "tests", sign, size=50, strokeWidth=1.6, filled=False)]
     contours = [
         (say("chart.half_fall", name=name), style, item.contour.contour_50)
-        for name, style, item in _measured_and_models(record, styles, say)
-        if item.contour is not None
-    ]
+        for name, style, item in seen if item.contour is not None
+    ]  # fmt: skip
     lines = [{"name": words, "x": each.ratio_s, "y": each.pga_g} for words, _, each in contours]
     if contours:
         looks = {words: style for words, style, _ in contours}
         layers.append(marks("line", "contours", named(looks, chosen=False)))
     x, y = across("x", "PGV / PGA  [s]", {"zero": True}), upwards("y", "PGA  [g]", {"zero": True})
-    return figure(layers, 420, {"tests": tests, "contours": lines}, x, y)
+    return figure(layers, 420, {"tests": parts, "contours": lines}, x, y)
 
 
-def _measured_and_models(
-    record: ValidationRecord, styles: Mapping[str, Look], say: Language
-) -> list[tuple[str, Look, Curves]]:
-    """What was measured and each model by name: how its line is drawn, and its curves."""
-    models = [(name, styles[name], item) for name, item in record.models.items()]
-    return [(say("chart.measured"), Look(INK, "", 3.0), record.observed), *models]
-
-
-def _fragility(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json | None:
+def _fragility(seen: Seen, say: Language) -> Json | None:
     """The fitted curves, that of the measured tests with its band."""
     fitted = [
         (name, style, item.fragility_pgv)
-        for name, style, item in _measured_and_models(record, styles, say)
+        for name, style, item in seen
         if item.fragility_pgv is not None and item.fragility_pgv.median is not None
     ]
     if not fitted:
@@ -301,22 +295,19 @@ def _fragility(record: ValidationRecord, styles: Mapping[str, Look], say: Langua
     around = [
         {"name": name, "x": each.intensity, "low": each.low, "high": each.high}
         for name, _, each in fitted
-        if each is record.observed.fragility_pgv
+        if name == seen[0][0]
     ]
     layers = [band("around", drawn, 0.1), marks("line", "curves", drawn)]
     y = upwards("y", say("chart.overturning_probability"), {"domain": [0.0, 1.0]})
     return figure(layers, 380, {"curves": curves, "around": around}, across("x", "PGV  [m/s]", log(), tickCount=6), y)
 
 
-def _reliability(record: ValidationRecord, styles: Mapping[str, Look], say: Language) -> Json | None:
+def _reliability(scored: Scored, say: Language) -> Json | None:
     """The share that fell over the mean probability of each bin; true ones lie on the diagonal."""
-    threshold = say("word.pgv_threshold")
-    scores = {name: item.probability for name, item in record.models.items()} | {threshold: record.baseline.probability}
-    bins = {name: each.reliability for name, each in scores.items() if each.reliability}
+    bins = {name: each.probability.reliability for name, _, each in scored if each.probability.reliability}
     if not bins:
         return None
-    looks = {**styles, threshold: BASELINE_LOOK}
-    drawn = named({name: looks[name] for name in bins}, chosen=False)
+    drawn = named({name: look for name, look, _ in scored if name in bins}, chosen=False)
     parts = [
         {
             "name": name, "x": [item.mean for item in mine], **columns_of([item.fell for item in mine]),
