@@ -40,7 +40,7 @@ from reports.text.giving_way import (
 from reports.text.wording import (
     TIPS_RAD,
     doubted,
-    family,
+    end_key,
     horizon_s,
     pedestal_moves,
     prediction_s,
@@ -79,12 +79,6 @@ def told(say: Language, sentences: Mapping[str, object], **values: object) -> li
 def pictured(heading: str, words: Sequence[str], sketch: Picture) -> Drawing:
     """A picture, described by what stands over and below it."""
     return Drawing(sketch.svg(f"{heading} {' '.join(words)}", "plain"), words, heading=heading)
-
-
-def end_key(outcome: Outcome) -> str:
-    """The key of an outcome's words: of every fall, and of every failure of a model, the same."""
-    kind = family(outcome)
-    return kind if kind in ("overturns", "failed") else str(outcome)
 
 
 def begun(text: str) -> str:

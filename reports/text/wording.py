@@ -26,16 +26,19 @@ SIGNS: Final = {
     "touches_wall": "▌", "left_pedestal": "⇲", "lift_off": "↥", "friction_paradox": "∅", "undecided": "?",
 }  # fmt: skip
 """The sign of each outcome: told apart without colour."""
-FAMILY: Final = {"stands": "stands", "touches_wall": "wall"}
+FAMILIES: Final = {"stands": "stands", "touches_wall": "wall", "overturns": "overturns", "failed": "failed"}
 
 
-def family(outcome: str) -> str:
-    """The outcome's class for colours: stands, overturns, wall, other, failed."""
-    if Outcome(outcome).overturned:
+def end_key(outcome: Outcome) -> str:
+    """The key of an outcome's words: of every fall, and of every failure of a model, the same."""
+    if outcome.overturned:
         return "overturns"
-    if Outcome(outcome).failed:
-        return "failed"
-    return FAMILY.get(outcome, "other")
+    return "failed" if outcome.failed else str(outcome)
+
+
+def family(outcome: Outcome) -> str:
+    """The outcome's class for colours: stands, overturns, wall, other, failed."""
+    return FAMILIES.get(end_key(outcome), "other")
 
 
 def doubted(run: RunRow) -> bool:
