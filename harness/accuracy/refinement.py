@@ -169,7 +169,10 @@ class _Climb:
         if run.outcome.failed:
             return False
         needed = self.agreements
-        if _agreed(self.spreads, self.target, needed, self.engine.agreements == needed):
+        last = self.spreads[-1] if self.spreads and self.engine.agreements == needed else None
+        # One comparison is enough that holds clearly; else so many must hold in a row.
+        clear = last is not None and last.whole and CLEAR * last.stated.share_of(self.target) <= 1.0
+        if clear or (len(self.spreads) >= needed and all(item.whole for item in self.spreads[-needed:])):
             self.agreed_s = run.end_s
         elif _fallen([each for _, each in self.whole], self.spreads, needed):
             self.agreed_s = run.no_return_time_s or 0.0
@@ -347,13 +350,6 @@ def _factor(spreads: Sequence[Spread], target: Error) -> float:
         return 1.0
     needed = spreads[-1].stated_to_the_end.share_of(target) ** (1.0 / ORDER)
     return float(min(max(needed, 1.0), LEAP))
-
-
-def _agreed(spreads: list[Spread], target: Error, agreements: int, clear: bool) -> bool:
-    """Whether as many comparisons as are needed hold in a row, or (`clear`) the last one holds clearly."""
-    if clear and spreads and spreads[-1].whole and CLEAR * spreads[-1].stated.share_of(target) <= 1.0:
-        return True
-    return len(spreads) >= agreements and all(item.whole for item in spreads[-agreements:])
 
 
 def _fallen(runs: list[Run], spreads: list[Spread], agreements: int) -> bool:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from harness import engines
 from harness.engines.base import Engine, EngineFailure, LayerFault, own_failures
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene, must_be_scene
@@ -86,12 +86,16 @@ def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
 
 def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
     """Raise `InputError` unless at most one of the two is given and it is in its range."""
-    if accuracy_rad is not None and dt_s is not None:
-        raise InputError(Mistake("--accuracy and --dt", "", "one of the two", "both"))
-    if accuracy_rad is not None and not 1e-9 <= accuracy_rad <= 0.1:
-        raise InputError(Mistake("--accuracy", "", "a rotation between 1e-9 and 0.1 rad", f"{accuracy_rad!r}"))
-    if dt_s is not None and not FINEST_DT_S <= dt_s <= 0.1:
-        raise InputError(Mistake("--dt", "", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"))
+    require(accuracy_rad is None or dt_s is None, "--accuracy and --dt", "one of the two", "both")
+    require(
+        accuracy_rad is None or 1e-9 <= accuracy_rad <= 0.1,
+        "--accuracy",
+        "a rotation between 1e-9 and 0.1 rad",
+        f"{accuracy_rad!r}",
+    )
+    require(
+        dt_s is None or FINEST_DT_S <= dt_s <= 0.1, "--dt", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"
+    )
 
 
 def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> Run:

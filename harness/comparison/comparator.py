@@ -14,7 +14,7 @@ from harness.comparison.scores import events, pointwise
 from harness.comparison.scores.events import Excursions, Inertia, after_horizon, event_scores
 from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
 from harness.comparison.scores.pointwise import rate as rate_by_iso
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.finding import Finding, caution, changes_answer, info
 from harness.model.history import History, Outcome, Pair, first_beyond_s, pair
 from harness.model.run import Run, number
@@ -457,10 +457,10 @@ def compare(
 
 
 def _check(answer: Run | History, name: str) -> None:
-    if isinstance(answer, Run) and answer.outcome.failed:
-        raise InputError(Mistake(name, "", "a run with an answer", f"{answer.outcome.value} ({answer.message})"))
-    if isinstance(answer, Run) and not np.isfinite(answer.peak_theta_rad):
-        raise InputError(Mistake(name, "peak_theta_rad", "a finite rotation", repr(answer.peak_theta_rad)))
+    if isinstance(answer, Run):
+        said, peak_rad = f"{answer.outcome.value} ({answer.message})", answer.peak_theta_rad
+        require(not answer.outcome.failed, name, "a run with an answer", said)
+        require(math.isfinite(peak_rad), name, "a finite rotation", repr(peak_rad), key="peak_theta_rad")
 
 
 def _scores(

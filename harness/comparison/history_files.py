@@ -10,7 +10,7 @@ import numpy as np
 from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.finding import caution
 from harness.model.run import machine, versions
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
@@ -33,10 +33,18 @@ def compare_files(
     `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
     `measured` are the uncertainties where b is a measurement: a alone has a numerical error then.
     """
-    if slip_uncertainty_m is not None and not 0.0 <= slip_uncertainty_m < math.inf:
-        raise InputError(Mistake("--slip-uncertainty", "", "a length from 0 m", f"{slip_uncertainty_m!r}"))
-    if uncertainty_rad is not None and not 0.0 <= uncertainty_rad < 1.0:
-        raise InputError(Mistake("--uncertainty", "", "a rotation from 0 to 1 rad", f"{uncertainty_rad!r}"))
+    require(
+        slip_uncertainty_m is None or 0.0 <= slip_uncertainty_m < math.inf,
+        "--slip-uncertainty",
+        "a length from 0 m",
+        f"{slip_uncertainty_m!r}",
+    )
+    require(
+        uncertainty_rad is None or 0.0 <= uncertainty_rad < 1.0,
+        "--uncertainty",
+        "a rotation from 0 to 1 rad",
+        f"{uncertainty_rad!r}",
+    )
     a, b = Path(a), Path(b)
     histories = [read_history(a), read_history(b)]
     a_s, b_s = (history.t_s for history in histories)
@@ -59,9 +67,9 @@ def compare_files(
         measured=measured,
     )
     begin_s, end_s = scores.compared_from_s, scores.compared_until_s
-    if begin_s is not None and end_s is not None and end_s <= begin_s:
-        wanted, got = "a common stretch of time", f"one common instant at {begin_s:g} s"
-        raise InputError(Mistake(f"{a.name} and {b.name}", "t_s", wanted, got))
+    if begin_s is not None and end_s is not None:
+        where, got = f"{a.name} and {b.name}", f"one common instant at {begin_s:g} s"
+        require(end_s > begin_s, where, "a common stretch of time", got, key="t_s")
     missing = [
         caution("no_samples", file=path.name, from_s=begin, until_s=end)
         for path, history in zip((a, b), histories, strict=True)

@@ -14,7 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final, TypeVar
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.files import FRESH, NO_ROOM, checksum, is_own, is_sealed
 from harness.model.run import SCHEMA_VERSION, write_json
 from harness.records.base import REWRITE, Plain, Record, as_file, validated
@@ -70,8 +70,7 @@ Sums = dict[str, set[str]]
 def named_after(file: Path) -> str:
     """The name of a file's result folder. Raises `InputError` for a name such as `...toml`, which names none."""
     name = file.stem.strip(".")
-    if not name:
-        raise InputError(Mistake(str(file), "", "a file whose name can name a folder", repr(file.name), "give --out"))
+    require(name, str(file), "a file whose name can name a folder", repr(file.name), "give --out")
     return name
 
 
@@ -95,20 +94,18 @@ def check_folder(
     except (OSError, ValueError) as error:  # a name that is too long, or no name at all
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(Mistake("--out", "", "a folder that can be written", f"{str(folder)!r}: {reason}")) from error
-    if not is_folder:
-        got = f"the link {there} to nothing" if there.is_symlink() and not there.exists() else f"the file {there}"
-        raise InputError(Mistake("--out", "", "a folder", got))
-    if not open_to_us:
-        raise InputError(Mistake("--out", "", "a folder that can be written", f"the read-only folder {there}"))
+    got = f"the link {there} to nothing" if there.is_symlink() and not there.exists() else f"the file {there}"
+    require(is_folder, "--out", "a folder", got)
+    require(open_to_us, "--out", "a folder that can be written", f"the read-only folder {there}")
     own = ((path, read_own(path)) for path in (folder / RECORD, folder / COMING))
     ended = (full_kind(str(each["kind"]), each.get("command")) for path, each in own if each and is_sealed(path))
     finished, begun = next(ended, None), store_kind(folder / STORE)
     found = [kind for kind in (finished, begun) if kind is not None]
     others = [name for name in inside if name not in INSPECTED and not name.startswith(".")]
     others.sort(key=lambda name: (name != RECORD, name))
-    if not found and others:
-        got = f"{folder}, where {_some(others)} stand{'s' * (len(others) == 1)} without a result as rockcheck wrote it"
-        raise InputError(Mistake("--out", "", "a new or an empty folder, or one with a result of its own", got))
+    got = f"{folder}, where {_some(others)} stand{'s' * (len(others) == 1)} without a result as rockcheck wrote it"
+    wanted = "a new or an empty folder, or one with a result of its own"
+    require(bool(found) or not others, "--out", wanted, got)
     for kind in found:
         if kinds is not None and kind not in kinds:
             got = f"{folder}, which holds {'a result' if kind == finished else 'what was begun'} of this kind: {kind}"
@@ -119,9 +116,8 @@ def check_folder(
             raise InputError(Mistake("--out", "", f"a folder of this kind: {' or '.join(kinds)}", got, advice))
     sums = owned(folder)
     foreign = [name for name in names if not is_own(folder / name, sums.get(name, ()))]
-    if foreign:
-        got = f"{folder}, where {_some(foreign)} would be lost: not in its {RECORD}, or changed since"
-        raise InputError(Mistake("--out", "", f"a folder whose files are those of its {RECORD}", got, "move them"))
+    got = f"{folder}, where {_some(foreign)} would be lost: not in its {RECORD}, or changed since"
+    require(not foreign, "--out", f"a folder whose files are those of its {RECORD}", got, "move them")
 
 
 def check_inputs(folder: Path, names: Iterable[str], inputs: Iterable[Path]) -> None:
@@ -129,8 +125,9 @@ def check_inputs(folder: Path, names: Iterable[str], inputs: Iterable[Path]) -> 
     # Not Path.resolve, which raises where links go round.
     wanted = {os.path.realpath(folder / name) for name in (*names, *owned(folder))}
     for path in inputs:
-        if os.path.realpath(path) in wanted:
-            raise InputError(Mistake("--out", "", "another folder than its input's", f"{path} would be lost"))
+        require(
+            os.path.realpath(path) not in wanted, "--out", "another folder than its input's", f"{path} would be lost"
+        )
 
 
 def owned(folder: Path) -> Sums:
@@ -246,9 +243,8 @@ def read_result(folder: Path | str) -> Record:
     >>> record = harness.read_result("out/paestum_floor")
     """
     path = Path(folder) / RECORD
-    if not path.is_file():
-        advice = "run `rockcheck run SCENE --out DIR` first"
-        raise InputError(Mistake(str(folder), "", f"a result folder with {RECORD}", "none there", advice))
+    advice = "run `rockcheck run SCENE --out DIR` first"
+    require(path.is_file(), str(folder), f"a result folder with {RECORD}", "none there", advice)
     try:
         text = path.read_bytes()
         record = json.loads(text.decode("utf-8"))

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.run import NUMBERS
 from harness.model.run_set import Column, RunSet, run_set
 from harness.records.base import Plain
@@ -57,8 +57,7 @@ def execute(
     if not wanted or not all(isinstance(each, RunRequest) for each in wanted):
         got = repr(wanted or requests)[:MOST_SHOWN]
         raise InputError(Mistake("execute", "requests", "a list of RunRequest, at least one", got))
-    if type(jobs) is not int or jobs < 1:
-        raise InputError(Mistake("execute", "jobs", "a number of processes, 1 or more", repr(jobs)))
+    require(type(jobs) is int and jobs >= 1, "execute", "a number of processes, 1 or more", repr(jobs), key="jobs")
     # A function of the caller's script, that makes a scene, is not known to a worker.
     tasks = [replace(request, scene=request.made()).task() for request in wanted]
     with Store(Path(MEMORY if store is None else store)) as kept, closing(pool_of(jobs, dask)) as pool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.finding import Say
 from harness.records import base
 from harness.records.bench import BenchRecord, PartRow, StressRecord
@@ -136,8 +136,7 @@ def command(name: str, quick: bool, spent: Sequence[PartRow]) -> str:
 def _chosen(parts: Sequence[Part], only: Sequence[str] | None) -> list[Part]:
     names = [part.name for part in parts]
     unknown = [name for name in only or () if name not in names]
-    if unknown:
-        raise InputError(Mistake("--parts", "", f"some of {', '.join(names)}", ", ".join(map(repr, unknown))))
+    require(not unknown, "--parts", f"some of {', '.join(names)}", ", ".join(map(repr, unknown)))
     return [part for part in parts if only is None or part.name in only]
 
 

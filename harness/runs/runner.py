@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import Any, Final
 from weakref import WeakSet
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 
 GRACE_S: Final = 5.0
 """Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""
@@ -129,8 +129,7 @@ class LocalPool:
         self._jobs = jobs or os.cpu_count() or 1
         self._limit_s, self._tries = limit_s, tries
         self._workers: list[_Worker] = []
-        if jobs is not None and jobs < 1:
-            raise InputError(Mistake("--jobs", "", "a whole number of at least 1", str(jobs)))
+        require(jobs is None or jobs >= 1, "--jobs", "a whole number of at least 1", str(jobs))
         _OPEN.add(self)
 
     @property
@@ -385,10 +384,8 @@ class DaskPool:
         self._client.cancel([future], force=True)
         self._hung += 1
         got = f"no answer in {self._limit_s:g} s"
-        if self._hung >= self.workers:
-            raise InputError(
-                Mistake("--dask", "", "workers that answer", f"{got} on any of them", "restart the cluster's workers")
-            )
+        advice = "restart the cluster's workers"
+        require(self._hung < self.workers, "--dask", "workers that answer", f"{got} on any of them", advice)
         return Hung(got)
 
 

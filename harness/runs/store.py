@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, Array, History
 from harness.model.run import Run, to_plain
@@ -172,9 +172,8 @@ class PlannedRow:
 
 def check_begun(folder: Path, what: str) -> None:
     """Raise `InputError` where there is nothing to `--resume`: no store in `folder`."""
-    if not (folder / STORE_NAME).exists():
-        wanted = f"{what} that was begun in {folder}"
-        raise InputError(Mistake("--resume", "", wanted, "no store there", "leave --resume out to begin"))
+    wanted, advice = f"{what} that was begun in {folder}", "leave --resume out to begin"
+    require((folder / STORE_NAME).exists(), "--resume", wanted, "no store there", advice)
 
 
 def _begin(path: Path, kind: str) -> None:
@@ -186,17 +185,16 @@ def _begin(path: Path, kind: str) -> None:
     fresh_store = not os.path.lexists(path)
     for end, heads in BESIDE.items():
         beside = path.with_name(path.name + end)
-        if os.path.lexists(beside) and (fresh_store or not beside.is_file() or not _begins(beside, heads)):
-            raise InputError(Mistake(str(beside), "", "nothing that SQLite would write over", "a file", "move it away"))
+        own = not os.path.lexists(beside) or (not fresh_store and beside.is_file() and _begins(beside, heads))
+        require(own, str(beside), "nothing that SQLite would write over", "a file", "move it away")
     if fresh_store:
         with writing(path, new=True) as fresh, closing(sqlite3.connect(fresh)) as db:
             db.executescript(_SCHEMA)
             db.execute(f"PRAGMA application_id={STORE_NUMBER + STORE_KINDS.index(kind)}")
             db.execute(f"PRAGMA user_version={STORE_VERSION}")
     found_kind = store_kind(path)
-    if found_kind != kind:
-        got = "no store of this version" if found_kind is None else f"that of a {found_kind}"
-        raise InputError(Mistake(str(path), "", f"the store of a {kind}", got, "use another folder"))
+    got = "no store of this version" if found_kind is None else f"that of a {found_kind}"
+    require(found_kind == kind, str(path), f"the store of a {kind}", got, "use another folder")
 
 
 def _begins(path: Path, heads: tuple[bytes, ...]) -> bool:
@@ -226,9 +224,8 @@ class Store:
                 if str(path) == MEMORY:
                     self._db.executescript(_SCHEMA)
                 version = self._db.execute("PRAGMA user_version").fetchone()[0]
-                if version not in (0, STORE_VERSION):
-                    wanted, advice = f"a store of version {STORE_VERSION}", "use another folder"
-                    raise InputError(Mistake(str(path), "", wanted, f"version {version}", advice))
+                wanted, advice = f"a store of version {STORE_VERSION}", "use another folder"
+                require(version in (0, STORE_VERSION), str(path), wanted, f"version {version}", advice)
                 self._db.execute("PRAGMA journal_mode=WAL")
                 # In WAL mode NORMAL survives a killed process; a power cut may lose the last results, never damage the file.
                 self._db.execute("PRAGMA synchronous=NORMAL")

@@ -21,7 +21,7 @@ from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcita
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, failed, simulate, simulate_with
 from harness.engines.base import Engine
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.history import History, Outcome
 from harness.model.run import Capabilities, Run, RunOptions, to_plain, versions
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
@@ -220,9 +220,8 @@ class RunRequest:
 
     def __post_init__(self) -> None:
         """Fill in the target. Raises `InputError` for what is no scene, nor makes one."""
-        if not isinstance(self.scene, Scene) and not callable(self.scene):
-            wanted = "a scene (harness.load_scene), or a function that makes one"
-            raise InputError(Mistake("RunRequest", "scene", wanted, type(self.scene).__name__))
+        wanted, got = "a scene (harness.load_scene), or a function that makes one", type(self.scene).__name__
+        require(isinstance(self.scene, Scene) or callable(self.scene), "RunRequest", wanted, got, key="scene")
         if self.accuracy_rad is None and self.dt_s is None:
             object.__setattr__(self, "accuracy_rad", DEFAULT_ACCURACY_RAD)
 

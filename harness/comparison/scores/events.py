@@ -174,7 +174,11 @@ def _impacts(t: Array, theta: Array, rate: Array, i: NDArray[np.intp]) -> Array:
     """
     following = np.minimum(i + 1, t.size - 1)
     step = t[following] - t[i]
-    wait = _root(theta[i], rate[i], _slope(t, rate, np.maximum(i - 1, 0), i))
+    accel = _slope(t, rate, np.maximum(i - 1, 0), i)
+    # The least τ ≥ 0 of that, by the form that does not cancel.
+    root = np.sqrt(np.maximum(rate[i] * rate[i] - 2.0 * accel * theta[i], 0.0))
+    q = -(rate[i] + np.copysign(root, rate[i]))
+    wait = np.abs(np.divide(2.0 * theta[i], q, out=np.zeros_like(q), where=q != 0.0))
     # Sinking to rest takes a few samples: allow the fall from there.
     crossed = theta[following] * np.sign(theta[i]) <= 0.0
     longest = np.where(crossed, step, 3.0 * step + np.abs(theta[i]) / np.maximum(np.abs(rate[i]), 1e-12))
@@ -212,13 +216,6 @@ def _extrapolated(
 def _slope(t: Array, rate: Array, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
     step = t[j] - t[i]
     return np.divide(rate[j] - rate[i], step, out=np.zeros_like(step), where=step > 0.0)
-
-
-def _root(theta: Array, rate: Array, accel: Array) -> Array:
-    """The least τ ≥ 0 with θ + θ̇τ + θ̈τ²/2 = 0, by the form that does not cancel."""
-    disc = np.sqrt(np.maximum(rate * rate - 2.0 * accel * theta, 0.0))
-    q = -(rate + np.copysign(disc, rate))
-    return np.abs(np.divide(2.0 * theta, q, out=np.zeros_like(q), where=q != 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array, History, Pair, first_beyond_s
 from harness.model.run import Run
@@ -115,10 +115,13 @@ def rate(pair: Pair, samples: int = SAMPLES) -> IsoRating:
     except ImportError as error:
         advice = 'install it: pip install "rockcheck[iso]"'
         raise InputError(Mistake("--iso", "", "the extra `iso`", "no objective_rating_metrics", advice)) from error
-    if pair.t_s.size < 10:
-        raise InputError(Mistake("--iso", "", "at least 10 common samples", f"{pair.t_s.size}"))
-    if np.ptp(pair.theta_a_rad) == 0.0 or np.ptp(pair.theta_b_rad) == 0.0:
-        raise InputError(Mistake("--iso", "", "two histories that move", "one that stays at a constant rotation"))
+    require(pair.t_s.size >= 10, "--iso", "at least 10 common samples", f"{pair.t_s.size}")
+    require(
+        np.ptp(pair.theta_a_rad) > 0.0 and np.ptp(pair.theta_b_rad) > 0.0,
+        "--iso",
+        "two histories that move",
+        "one that stays at a constant rotation",
+    )
     curves, step = resampled(pair, samples)
     rating = ISO18571(reference_curve=curves[1], comparison_curve=curves[0], dt=step)
     # Each rating once: the library's own overall_rating computes them all again.
@@ -157,8 +160,7 @@ class Measured:
 
     def __post_init__(self) -> None:
         for name, value in (("--measured-uncertainty", self.data_rad), ("--input-uncertainty", self.input_rad)):
-            if not 0.0 <= value < LARGEST_RAD:
-                raise InputError(Mistake(name, "", f"a rotation from 0 to {LARGEST_RAD:g} rad", f"{value!r}"))
+            require(0.0 <= value < LARGEST_RAD, name, f"a rotation from 0 to {LARGEST_RAD:g} rad", f"{value!r}")
 
 
 def comparison_error(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, timed_step_s
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.finding import Axes, Shown, new_axes
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain, must_be_scene
@@ -152,15 +152,19 @@ def assess(
     """
     must_be_scene(scene, "assess")
     for given, value, least in (("draws", draws, 1), ("seed", seed, 0), ("most_runs", most_runs, 1)):
-        if type(value) is not int or value < least:
-            raise InputError(Mistake("assess", given, f"a whole number of at least {least}", repr(value)))
+        require(
+            type(value) is int and value >= least,
+            "assess",
+            f"a whole number of at least {least}",
+            repr(value),
+            key=given,
+        )
     names = engines.asked(names, engines.DEFAULT_ENGINES)
     for name in names:
         engines.load(name)
     for given, limit, usual in (("half_width", half_width, HALF_WIDTH), ("most_runs", most_runs, MOST_RUNS)):
-        if names == [MODEL] and limit != usual:
-            wanted = f"another engine beside {MODEL}: it is of its runs"
-            raise InputError(Mistake("assess", given, wanted, f"{limit:g}"))
+        wanted = f"another engine beside {MODEL}: it is of its runs"
+        require(names != [MODEL] or limit == usual, "assess", wanted, f"{limit:g}", key=given)
     inputs = _inputs(scene)
     on_progress(f"{MODEL}: {counted(draws, 'draw')}")
     values = draws_of(scene, inputs, draws, seed)
@@ -246,13 +250,11 @@ def _forecast(scene: Scene, names: Sequence[str], runs: Range, models_s: float, 
 def _inputs(scene: Scene) -> Sequence[Uncertain]:
     """What is uncertain; raises `InputError` for a scene of which no draws can be made."""
     where = str(scene.source or "the scene")
-    if scene.initial.pose is not None:
-        wanted = "a start in the rocking plane: draws are stratified by the planar model"
-        raise InputError(Mistake(where, "initial.position_m", wanted, "a pose in space"))
+    wanted = "a start in the rocking plane: draws are stratified by the planar model"
+    require(scene.initial.pose is None, where, wanted, "a pose in space", key="initial.position_m")
     inputs = uncertain_inputs(scene)
-    if not inputs:
-        wanted = "the keys that are not known: there is neither a motion nor a pedestal of which to assume any"
-        raise InputError(Mistake(where, "uncertainty", wanted, "nothing"))
+    wanted = "the keys that are not known: there is neither a motion nor a pedestal of which to assume any"
+    require(inputs, where, wanted, "nothing", key="uncertainty")
     return inputs
 
 

@@ -17,7 +17,7 @@ from harness import engines
 from harness.engines import stands_alone
 from harness.input.uncertain import assumption
 from harness.model import two_block as twoblock
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene, Uncertain, written
 
@@ -215,8 +215,7 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
     from harness.input.scene_file import resolve
     from harness.input.tables import SceneFile
 
-    if not scene.given:
-        raise InputError(Mistake(place, ", ".join(values), "a scene read from a file", "one made in Python"))
+    require(scene.given, place, "a scene read from a file", "one made in Python", key=", ".join(values))
     content: dict[str, JsonValue] = copy.deepcopy(dict(scene.given))
     values_text = ", ".join(
         f"{key} = {value:.6g}" if isinstance(value, float) else f"{key} = {value}" for key, value in values.items()

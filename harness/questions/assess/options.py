@@ -16,7 +16,7 @@ from pydantic import Field
 from harness.input.mistakes import UserTable
 from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, require
 from harness.model.scene import Contact, Scene, Uncertain, scan_azimuth_deg, written
 from harness.questions.assess.model_draws import (
     KINETIC,
@@ -163,10 +163,13 @@ def _turned(scene: Scene) -> Scene:
         raise InputError(Mistake(str(scene.source), "statue.depth_m", "statue.depth_m, or a mesh", "nothing"))
     else:
         statue = turned_block(scene.statue)
-    if pedestal is not None and statue.corner_left_m + statue.corner_right_m > pedestal.width_m:
-        raise InputError(
-            Mistake(str(scene.source), "pedestal.depth_m", "a pedestal under the whole turned base", "less")
-        )
+    require(
+        pedestal is None or statue.corner_left_m + statue.corner_right_m <= pedestal.width_m,
+        str(scene.source),
+        "a pedestal under the whole turned base",
+        "less",
+        key="pedestal.depth_m",
+    )
     return replace(scene, statue=statue, pedestal=pedestal)
 
 

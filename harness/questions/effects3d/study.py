@@ -18,7 +18,7 @@ from pydantic import Field, model_validator
 from harness.input.mistakes import Contradiction, UserTable
 from harness.input.tables import read_model
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.history import Outcome
 from harness.model.run_set import grouped
@@ -316,11 +316,9 @@ def run_file(
 
 def _check(scene: Scene, path: Path) -> None:
     solid_of(scene)
-    if scene.base_excitation.x.peak_m_s2 == 0.0:
-        raise InputError(Mistake(str(path), "motion.x", "a motion along x", "none"))
-    if scene.pedestal is not None or scene.wall is not None:
-        wanted = "a statue on the floor: pedestal and wall have a direction of their own"
-        raise InputError(Mistake(str(path), "scene", wanted, "a pedestal or a wall"))
+    require(scene.base_excitation.x.peak_m_s2 > 0.0, str(path), "a motion along x", "none", key="motion.x")
+    wanted = "a statue on the floor: pedestal and wall have a direction of their own"
+    require(scene.pedestal is None and scene.wall is None, str(path), wanted, "a pedestal or a wall", key="scene")
 
 
 def answers_of(study: EffectsFile, scene: Scene, ask: Callable[..., list[Any]]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from pydantic import JsonValue
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.scene import Scene
 from harness.questions.study.cases import BaseScene
 from harness.questions.study.file import Value
@@ -50,10 +50,14 @@ class Plane:
     @classmethod
     def of(cls, scene: Scene, motion: str, *, coarse: bool) -> Plane:
         """The map of a loaded scene. Raises `InputError` for an own motion that is none, or a statue not on its base."""
-        if scene.initial.pose is not None:
-            raise InputError(Mistake(str(scene.source), "initial", "a statue on its base", "a pose in space"))
-        if motion == "scene" and scene.base_excitation.x.peak_m_s2 == 0.0:
-            raise InputError(Mistake(str(scene.source), "motion.x", "a motion along x to make stronger", "none"))
+        require(scene.initial.pose is None, str(scene.source), "a statue on its base", "a pose in space", key="initial")
+        require(
+            motion != "scene" or scene.base_excitation.x.peak_m_s2 > 0.0,
+            str(scene.source),
+            "a motion along x to make stronger",
+            "none",
+            key="motion.x",
+        )
         limits_g = [limit_of_rest_m_s2(each) / scene.gravity_m_s2 for each in (scene, replace(scene, pedestal=None))]
         low, high = min(WEAKEST_G, 0.8 * min(limits_g)), max(STRONGEST_G, 2.0 * max(limits_g))
         steps = math.ceil(math.log(high / low) / math.log(RESOLUTION[coarse]))
