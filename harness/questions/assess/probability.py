@@ -201,9 +201,9 @@ def run_of(engine: Engine, scene: Scene) -> Run | None:
 
 def end_of(run: Run | None) -> End:
     """How a run of a draw ended."""
-    if run is None or run.outcome is Outcome.TOUCHES_WALL:
-        return None if run is None else run.outcome
-    return run.outcome.fell
+    if run is None:
+        return None
+    return run.outcome if run.outcome is Outcome.TOUCHES_WALL else run.outcome.fell
 
 
 def overturns(drawn: RunRequest) -> TaskResult:

@@ -51,11 +51,6 @@ def costs(
     return [Cost(min(each.wall_s for each in mine), min(each.cpu_s for each in mine), len(mine)) for mine in spent]
 
 
-def peak_memory_mb() -> float:
-    """Largest resident memory of this process so far, MB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-
-
-def largest_child_mb() -> float:
-    """Largest resident memory of any ended child of this process, MB."""
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
+def peak_memory_mb(whose: int = resource.RUSAGE_SELF) -> float:
+    """Largest resident memory of this process so far, or of any ended child of it (`resource.RUSAGE_CHILDREN`), MB."""
+    return resource.getrusage(whose).ru_maxrss / 1024.0

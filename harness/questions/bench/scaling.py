@@ -2,6 +2,7 @@
 
 import math
 import os
+import resource
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -16,7 +17,7 @@ from harness.accuracy.simulation import simulate
 from harness.model.finding import Finding, info
 from harness.model.run_set import grouped
 from harness.model.scene import Scene
-from harness.questions.bench.cost import cost, largest_child_mb, peak_memory_mb
+from harness.questions.bench.cost import cost, peak_memory_mb
 from harness.questions.bench.skips import written_study
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow
@@ -102,7 +103,7 @@ def _workers(jobs: int) -> tuple[float, float, float]:
         begin = time.perf_counter()
         run(pool)
         wall_s = time.perf_counter() - begin
-    return wall_s, peak_memory_mb() + jobs * largest_child_mb(), processor_s()
+    return wall_s, peak_memory_mb() + jobs * peak_memory_mb(resource.RUSAGE_CHILDREN), processor_s()
 
 
 def findings(rows: Sequence[ScalingRow]) -> list[Finding]:

@@ -330,21 +330,18 @@ class SpaceOutcomes:
             self._problem, {"scale": [factor]}, tolerance=tolerance, threads=1, most_steps=MOST_STEPS
         )
         if not run.overturned[0]:
-            # Of one that still leans at its end a single run says whether it can come back.
-            finished = run.outcomes[0] is spatial.Outcome.STANDS or run.steps[0] >= MOST_STEPS
-            alone = Outcome(run.outcomes[0]) if finished else self._alone(factor)
-            if alone.overturned:
-                return alone
-            if alone is not Outcome.STANDS:
+            alone = Outcome(run.outcomes[0])
+            if alone is not Outcome.STANDS and run.steps[0] < MOST_STEPS:
+                # Of one that still leans at its end a single run says whether it can come back.
+                options = RunOptions(history=False)
+                alone = simulate(amplified(self._scene, factor), EXACT, options=options).outcome
+            if alone.fell is None:
                 self.unanswered.append(factor)
-            return None
+            return alone if alone.overturned else None
         x, y, _ = run.axis[0]
         if abs(y) > abs(x):
             return Outcome.OVERTURNED_BACK if y > 0.0 else Outcome.OVERTURNED_FRONT
         return Outcome.OVERTURNED_RIGHT if x > 0.0 else Outcome.OVERTURNED_LEFT
-
-    def _alone(self, factor: float) -> Outcome:
-        return simulate(amplified(self._scene, factor), EXACT, options=RunOptions(history=False)).outcome
 
     def doubt(self, above: float | None, below: float) -> Doubt:
         """Why an amplitude between `below` (stands) and `above` (overturns) is in doubt; empty where it is not."""

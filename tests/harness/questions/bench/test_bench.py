@@ -1,6 +1,7 @@
 """The bench: errors that see a wrong run, sentences that follow from the rows, failures kept as rows."""
 
 import json
+import resource
 import subprocess
 import sys
 from dataclasses import asdict, replace
@@ -15,7 +16,7 @@ from harness.engines.base import EngineFailure
 from harness.model.run import SKIPS, RunOptions
 from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.bench_run import BENCH
-from harness.questions.bench.cost import cost, costs, largest_child_mb
+from harness.questions.bench.cost import cost, costs, peak_memory_mb
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.records.base import plain, validated
 from harness.records.bench import BenchRecord, PartRow, PrecisionRow, ScalingRow, SkipRow
@@ -224,7 +225,7 @@ def test_the_memory_of_workers_is_counted() -> None:
     code = "import sys; sys.stdout.write(str(len(bytearray(300_000_000))))"
     before_s = processor_s()
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
-    assert largest_child_mb() > 250.0
+    assert peak_memory_mb(resource.RUSAGE_CHILDREN) > 250.0
     assert processor_s() > before_s
 
 
