@@ -19,7 +19,7 @@ VIOLATIONS = {
     "compiled code depends on nothing but itself": ("analytic/kernel/impact.py", "import analytic.block"),
     "the analytic model stands alone": ("analytic/block.py", "import trimesh"),
     "down the rooms of the harness": ("harness/statics/plan.py", "import harness.comparison.comparator"),
-    "down the questions": ("harness/questions/study/study_run.py", "import harness.questions.bench.cost"),
+    "down the questions": ("harness/questions/study/study_run.py", "import harness.questions.bench.parts"),
 }
 
 

@@ -32,8 +32,8 @@ from reports.messages import ENGLISH
 from reports.messages import language as known_language
 
 if TYPE_CHECKING:
+    from harness.questions.bench.parts import Measurement, R
     from harness.records.base import Record
-    from harness.runs.parts import Measurement, R
 
 
 @command(

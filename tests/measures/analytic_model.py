@@ -28,7 +28,7 @@ from analytic.block import GRAVITY_M_S2
 from analytic.problem import Options, Problem, encode
 from analytic.solver import Prepared, prepare
 from analytic.sweep import body_of, certify_rows
-from harness.questions.bench.cost import Cost, cost, costs
+from harness.questions.bench.parts import Cost, cost, costs
 from tests.measures.reference_integrators import Model, heyoka_solver, scipy_run
 
 COLUMN: Final = Block.rectangle(width_m=0.5, height_m=2.0, mass_kg=1000.0)

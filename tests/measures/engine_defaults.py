@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import Run, RunOptions, Scene, engines
-from harness.questions.bench.cost import costs, timed
 from harness.questions.bench.hard_scenes import holds_until_s, solution
+from harness.questions.bench.parts import costs, timed
 from harness.questions.bench.precision import BUDGET_S, REPEATS, costing
 from harness.questions.bench.standard_scenes import Standard, resolved, scene_of, standard_set
 from harness.questions.bench.stress_run import difficulties

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from harness.questions.bench.parts import source
 from harness.records.base import part
-from harness.runs.parts import source
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from typing import Any, Final
 
 from harness.model.finding import Answer, caution
 from harness.questions.bench import precision, scaling, skips
+from harness.questions.bench.parts import Measurement, Part
 from harness.questions.bench.precision import NOBODY, TARGET_RAD
 from harness.questions.bench.standard_scenes import standard_set
 from harness.records.bench import BenchRecord, PrecisionRow, ScalingRow, SkipRow, of_parts
-from harness.runs.parts import Measurement, Part
 
 
 def all_parts(quick: bool) -> list[Part]:

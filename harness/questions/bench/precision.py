@@ -16,7 +16,7 @@ from harness.model.finding import Finding, caution, info
 from harness.model.run import Run, RunOptions, number
 from harness.model.run_set import grouped
 from harness.model.scene import Scene
-from harness.questions.bench.cost import Cost, costs, timed
+from harness.questions.bench.parts import Cost, costs, timed
 from harness.questions.bench.standard_scenes import Standard, standard_set
 from harness.records.bench import LEVEL, TARGET, LevelChoice, PrecisionRow
 from harness.records.run import PLAIN

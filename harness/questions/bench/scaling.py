@@ -17,11 +17,10 @@ from harness.accuracy.simulation import simulate
 from harness.model.finding import Finding, info
 from harness.model.run_set import grouped
 from harness.model.scene import Scene
-from harness.questions.bench.cost import cost, peak_memory_mb
+from harness.questions.bench.parts import cost, peak_memory_mb, processor_s
 from harness.questions.bench.skips import written_study
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.records.bench import ScalingRow
-from harness.runs.parts import processor_s
 from harness.runs.runner import LIMIT_S, LocalPool
 from harness.runs.task import call
 

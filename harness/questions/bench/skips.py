@@ -23,7 +23,7 @@ from harness.model.finding import Finding, caution, info
 from harness.model.run import Run, RunOptions
 from harness.model.run_set import grouped
 from harness.model.scene import Scene
-from harness.questions.bench.cost import cost, costs, timed
+from harness.questions.bench.parts import cost, costs, timed
 from harness.questions.bench.standard_scenes import (
     COLUMN,
     PAESTUM,

@@ -12,9 +12,9 @@ from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
 from harness.questions.bench import hard_scenes as hard
 from harness.questions.bench.hard_scenes import ALL, SHAKEN, body, converged, leaning, solution
+from harness.questions.bench.parts import Measurement, Part
 from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.records.bench import HardRow, Measure, StabilityCell, StressRecord, answer_of, findings_of
-from harness.runs.parts import Measurement, Part
 
 # The stability map: every engine, setting by difficulty, each cell's category computed with its evidence.
 

@@ -16,11 +16,10 @@ from harness.engines.base import EngineFailure
 from harness.model.run import SKIPS, RunOptions
 from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.bench_run import BENCH
-from harness.questions.bench.cost import cost, costs, peak_memory_mb
+from harness.questions.bench.parts import cost, costs, head, peak_memory_mb, processor_s
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
 from harness.records.base import plain, validated
 from harness.records.bench import BenchRecord, PartRow, PrecisionRow, ScalingRow, SkipRow
-from harness.runs.parts import head, processor_s
 from tests.engines_for_tests import ready
 from tests.measures import engine_defaults
 

@@ -1,7 +1,12 @@
-"""Long measurements in parts: what is finished is kept, so that a killed one goes on and one part can be measured anew."""
+"""Long measurements in parts: what is finished is kept, so that a killed one goes on and one part can be measured anew.
+
+And what a piece of work costs.
+"""
 
 import hashlib
 import os
+import resource
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -77,7 +82,7 @@ def head(command: str, spent: Sequence[PartRow]) -> dict[str, Any]:
 
 def source() -> str:
     """SHA-256 of what computes: rows of one version, but of different code, are no one measurement."""
-    root = Path(__file__).resolve().parents[2]
+    root = Path(__file__).resolve().parents[3]
     state = hashlib.sha256()
     for path in sorted(path for name in PACKAGES for path in (root / name).rglob("*.py")):
         state.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
@@ -193,3 +198,55 @@ def _compute(
             yield task
 
     Campaign(store, pool).run(announced(), len(left))
+
+
+# What a piece of work costs: best of several, after a warm-up, by the clock and by the processor.
+
+T = TypeVar("T")
+REPEATS: Final = 5
+BUDGET_S: Final = 1.0
+"""Processor time after which no further repetition is begun: a slow run needs fewer to be timed to a percent."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Least seconds of several runs: by the clock, and of this process's processor time (other processes do not enter it)."""
+
+    wall_s: float
+    cpu_s: float
+    repeats: int
+
+
+def cost(work: Callable[[], object], repeats: int = REPEATS, budget_s: float = BUDGET_S) -> Cost:
+    """Time some work that has been done once already (compiled, loaded, cached)."""
+    return costs([work], repeats, budget_s)[0]
+
+
+def timed(work: Callable[[], T]) -> tuple[T, Cost]:
+    """What one piece of work gives, and its cost this once."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = work()
+    return result, Cost(time.perf_counter() - wall, time.process_time() - cpu, 1)
+
+
+def costs(
+    works: Sequence[Callable[[], object]],
+    repeats: int = REPEATS,
+    budget_s: float = BUDGET_S,
+    first: Sequence[Cost] | None = None,
+) -> list[Cost]:
+    """The same of several pieces that take turns: what one meets of the machine's moods, the others meet too.
+
+    `first` is what each took before: one that took the budget is not done again.
+    """
+    spent = [[each] for each in first] if first is not None else [list[Cost]() for _ in works]
+    for _ in range(repeats):
+        for work, mine in zip(works, spent, strict=True):
+            if sum(each.cpu_s for each in mine) < budget_s:
+                mine.append(timed(work)[1])
+    return [Cost(min(each.wall_s for each in mine), min(each.cpu_s for each in mine), len(mine)) for mine in spent]
+
+
+def peak_memory_mb(whose: int = resource.RUSAGE_SELF) -> float:
+    """Largest resident memory of this process so far, or of any ended child of it (`resource.RUSAGE_CHILDREN`), MB."""
+    return resource.getrusage(whose).ru_maxrss / 1024.0

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from harness.model.errors import InputError
+from harness.questions.bench.parts import Part, command, measure
 from harness.records.bench import of_parts
-from harness.runs.parts import Part, command, measure
 from harness.runs.store import STORE_NAME, Store
 
 STAMP = {"versions": {"rockcheck": "1"}, "quick": False}
@@ -105,7 +105,7 @@ def test_a_damaged_row_is_told_with_what_can_be_done(tmp_path: Path) -> None:
 KILLED = """
 import os, sys
 from pathlib import Path
-from harness.runs.parts import Part, measure
+from harness.questions.bench.parts import Part, measure
 
 def work(task):
     if task == "c":
@@ -147,7 +147,7 @@ def test_workers_compute_side_by_side_and_a_death_is_a_row(tmp_path: Path) -> No
 
 
 def test_the_source_is_part_of_what_a_row_was_measured_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from harness.runs import parts as module
+    from harness.questions.bench import parts as module
 
     first = Counting()
     measure(tmp_path, parts(first)[:1], ["first"], module.stamp(False), silent)
