@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeVar
+
+T = TypeVar("T")
+K = TypeVar("K")
 
 # A user's own text on a terminal and on a page: what would steer either is shown as its escape instead.
 
@@ -79,6 +82,19 @@ def refuse(mistakes: Collection[Mistake]) -> None:
     """Raise `InputError` of all these mistakes, where there is one."""
     if mistakes:
         raise InputError(mistakes)
+
+
+def read_each(read: Callable[[T], K], items: Iterable[T]) -> list[K]:
+    """What each item is read as. Raises one `InputError` with the mistakes of all of them, each once."""
+    found: list[K] = []
+    mistakes: dict[Mistake, None] = {}
+    for item in items:
+        try:
+            found.append(read(item))
+        except InputError as error:
+            mistakes |= dict.fromkeys(error.mistakes)
+    refuse(mistakes)
+    return found
 
 
 def require(holds: object, where: str, wanted: str, got: str, advice: str = "", *, key: str = "") -> None:

@@ -25,7 +25,7 @@ from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
-from harness.model.errors import InputError, Mistake, refuse
+from harness.model.errors import read_each
 from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
@@ -106,16 +106,9 @@ class SpectrumFile(UserTable):
 
 def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
     """The excitations of all motions. Raises `InputError` that names what is wrong of each."""
-    excitations: list[Excitation] = []
-    mistakes: list[Mistake] = []
-    for number, source in enumerate(spectrum.motion):
-        component = RecordSpec(kind="record", **source.model_dump())
-        try:
-            excitations.append(prepare(SceneMotion(component, path.parent, str(path), f"motion.{number}")).excitation)
-        except InputError as error:
-            mistakes += error.mistakes
-    refuse(mistakes)
-    return excitations
+    records = [RecordSpec(kind="record", **source.model_dump()) for source in spectrum.motion]
+    wanted = [SceneMotion(each, path.parent, str(path), f"motion.{number}") for number, each in enumerate(records)]
+    return [each.excitation for each in read_each(prepare, wanted)]
 
 
 @dataclass(frozen=True, eq=False)

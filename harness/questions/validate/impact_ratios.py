@@ -18,7 +18,7 @@ from harness.model.errors import Mistake, refuse
 from harness.model.finding import Answer, caution, info
 from harness.model.history import Array
 from harness.questions.validate.measured_set import MeasuredSet, Rows, read_groups
-from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
+from harness.records.validation import MeasuredRecord, MeasuredTable
 
 COLUMNS: Final = ("group", "trial", "width_m", "height_m", "depth_m", "mass_kg", "ratio_measured")
 ROWS: Final = (
@@ -86,12 +86,10 @@ def scored_ratios(measured: MeasuredSet) -> MeasuredRecord:
         rows.append([group.name, group.slenderness, count, mean, own, housner, housner - mean, error, ratio - mean])
     every = np.concatenate([group.measured for group in groups])
     laws = {"housner": [group.housner for group in groups], "imposed": given}
-    sums: list[list[Cell]] = []
-    misses: dict[str, tuple[float, float]] = {}
-    for law, ratios in laws.items():
-        missed = np.repeat(ratios, [group.measured.size for group in groups]) - every
-        misses[law] = bias, rms = float(missed.mean()), float(np.sqrt(np.mean(missed**2)))
-        sums.append([law, bias, rms, rms / scatter, every.size, scatter])
+    counts = [group.measured.size for group in groups]
+    missed = {law: np.repeat(ratios, counts) - every for law, ratios in laws.items()}
+    misses = {law: (float(each.mean()), float(np.sqrt(np.mean(each**2)))) for law, each in missed.items()}
+    sums: Rows = [[law, bias, rms, rms / scatter, every.size, scatter] for law, (bias, rms) in misses.items()]
     bias, rms = misses["housner"]
     above = int(np.sum(every > 1.0))
     mean = float(np.mean([group.measured.mean() for group in groups]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Final
@@ -32,6 +32,7 @@ from harness.questions.validate.fit import Answers, FittedInputs, counted, fitte
 from harness.questions.validate.jobs import Drawn, Model
 from harness.questions.validate.scenes import Intensity, TrialVariant, scene_of
 from harness.questions.validate.table import Trial
+from harness.records.scores import Interval
 from harness.records.study import CaseRun
 from harness.records.validation import (
     BaselineRecord,
@@ -174,22 +175,25 @@ def _by_body(
 ) -> list[BodyScores]:
     """The scores of each body's tests, in the table's order."""
     found = []
-    for body in dict.fromkeys(trial.body for trial in scored):
-        own = [trial for trial in scored if trial.body == body]
-        right = [known for trial in own if (known := _right(cases[trial.name])) is not None]
+    for own in grouped((trial.body, trial) for trial in scored).values():
         p = {trial: chances[trial] for trial in own if trial in chances}
-        likelier = [(chance >= LIKELIER) == trial.fell for trial, chance in p.items()]
         found.append(
             BodyScores(
                 own[0].body_name,
                 len(own),
                 sum(trial.fell for trial in own),
-                wilson(sum(right), len(right)),
-                wilson(sum(likelier), len(likelier)),
+                _share(_right(cases[trial.name]) for trial in own),
+                _share((chance >= LIKELIER) == trial.fell for trial, chance in p.items()),
                 brier(list(p.values()), [trial.fell for trial in p]) if p else None,
             )
         )
     return found
+
+
+def _share(right: Iterable[bool | None]) -> Interval | None:
+    """The share that is right, with Wilson's interval, of those of which it is known."""
+    known = [each for each in right if each is not None]
+    return wilson(sum(known), len(known))
 
 
 def repeats_of(trials: Sequence[Trial]) -> Repeats | None:
@@ -252,14 +256,13 @@ def by_intensity(
 ) -> list[IntensityClass]:
     """Accuracy in classes of PGV of equal size; tests of which nothing is known (None) are left out."""
     ordered = sorted(trials, key=lambda trial: intensities[trial.name].pgv_m_s)
-    classes = []
-    for part in np.array_split(np.arange(len(ordered)), BINS):
-        group = [ordered[int(i)] for i in part]
-        if group:
-            known = [verdict for trial in group if (verdict := right(trial)) is not None]
-            low, high = (intensities[trial.name].pgv_m_s for trial in (group[0], group[-1]))
-            classes.append(IntensityClass(low, high, len(group), wilson(sum(known), len(known))))
-    return classes
+    places = [part for part in np.array_split(np.arange(len(ordered)), BINS) if part.size]
+    classes = [[ordered[int(k)] for k in part] for part in places]
+    ends = [[intensities[trial.name].pgv_m_s for trial in (each[0], each[-1])] for each in classes]
+    return [
+        IntensityClass(low, high, len(each), _share(map(right, each)))
+        for (low, high), each in zip(ends, classes, strict=True)
+    ]
 
 
 def curves(

@@ -19,7 +19,7 @@ from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import read_history
 from harness.input.paths import read_files
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake, refuse, require
+from harness.model.errors import Mistake, read_each, refuse, require
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run_set import grouped
 from harness.questions.validate import drops, impact_ratios, tosses
@@ -62,7 +62,10 @@ def answer_of(record: ValidationRecord) -> Answer:
     known = {name: item.outcomes.accuracy for name, item in record.models.items() if item.outcomes.accuracy}
     if not known:
         return Answer("no_answer", [changes_answer("no_test_decided", tests=record.tests)])
-    found, bare = [_best(known)], record.baseline.outcomes.accuracy
+    most, bare = max(item.value for item in known.values()), record.baseline.outcomes.accuracy
+    # A bare count: the intervals of the best and of the next may overlap.
+    best = [name for name, item in known.items() if item.value == most]
+    found = [info("right_most_often", alone=len(best) == 1, models=best, right=_values(known[best[0]]))]
     if bare is None:
         return Answer("no_threshold", found)
     better = [name for name, item in known.items() if _shown_more(item, bare)]
@@ -89,13 +92,6 @@ def findings_of(record: ValidationRecord) -> list[Finding]:
     if record.unfitted:
         found.append(caution("not_fitted", keys=list(record.unfitted), fit_share=record.fit_share.name))
     return [*found, info("runs_computed", computed=record.runs.computed, wanted=record.runs.wanted)]
-
-
-def _best(known: Mapping[str, Interval]) -> Finding:
-    """Which models are right most often; a bare count, whose intervals may overlap."""
-    most = max(item.value for item in known.values())
-    best = [name for name, item in known.items() if item.value == most]
-    return info("right_most_often", alone=len(best) == 1, models=best, right=_values(known[best[0]]))
 
 
 def _of_model(item: ModelRecord) -> Iterator[Finding]:
@@ -268,16 +264,7 @@ def _check(folder: Path, samples: int, resume: bool, models: Sequence[Model]) ->
 
 def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
     """Intensities of all tests; this reads every scene, mesh and motion, so that all mistakes come before any run."""
-    by_test: dict[str, Intensity] = {}
-    mistakes: dict[str, Mistake] = {}
-    for trial in trials:
-        try:
-            by_test[trial.name] = intensity_of(trial)
-        except InputError as error:
-            mistakes |= {str(mistake): mistake for mistake in error.mistakes}
-    if mistakes:
-        raise InputError(mistakes.values())
-    return by_test
+    return dict(zip([trial.name for trial in trials], read_each(intensity_of, trials), strict=True))
 
 
 def _histories(trials: Sequence[Trial], item: ModelAnswers, store: Store, seed: int) -> list[MeasuredHistory]:
