@@ -117,16 +117,15 @@ def event_s(histories: Iterable[History], level_rad: float, end_s: float) -> tup
 
     A rotation of `level_rad` counts as moving, a slip of `MOVED_M`; the whole of a run in which nothing moves.
     """
-    starts, ends = [], []
-    for history in histories:
-        for values, least in ((history.theta_rad, level_rad), (history.slip_m, MOVED_M)):
-            gone, left = (np.flatnonzero(np.abs(values - values[k]) > least) for k in (0, -1))
-            if len(gone):
-                starts.append(float(history.t_s[gone[0]]))
-                ends.append(float(history.t_s[left[-1]]))
-    if not starts:
+    moved = [
+        (history.t_s, *(np.flatnonzero(np.abs(values - values[k]) > least) for k in (0, -1)))
+        for history in histories
+        for values, least in ((history.theta_rad, level_rad), (history.slip_m, MOVED_M))
+    ]
+    events = [(float(t_s[gone[0]]), float(t_s[left[-1]])) for t_s, gone, left in moved if len(gone)]
+    if not events:
         return 0.0, end_s
-    begin, end = min(starts), max(ends)
+    begin, end = min(start for start, _ in events), max(end for _, end in events)
     margin = max(BESIDE * (end - begin), LEAST_BESIDE_S)
     return max(0.0, begin - margin), min(end_s, end + margin)
 

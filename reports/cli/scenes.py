@@ -205,9 +205,11 @@ def compared_scenes(
         result = compute(path, asked, target, quiet=quiet, iso=iso, horizon=horizon)
         prefix = f"{path.stem}: " if len(files) > 1 else ""
         by_pair |= {f"{prefix}{pair}": scores for pair, scores in result.scores.items()}
-        for name, run in result.runs.items():
-            case = CaseRun.stored(answer_of(run, False).record)
-            rows.append(KeyedRow(number=number, engine=name, reason="", varied={}, run=case, key=None))
+        cases = {name: CaseRun.stored(answer_of(run, False).record) for name, run in result.runs.items()}
+        rows += [
+            KeyedRow(number=number, engine=name, reason="", varied={}, run=each, key=None)
+            for name, each in cases.items()
+        ]
     names = [row.engine for row in rows]
     reference = "analytic" if "analytic" in names else names[0]
     return by_pair, score_sets(rows, reference=reference) if len(files) > 1 else {}

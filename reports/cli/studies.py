@@ -258,18 +258,19 @@ def assess(
 
 def _write_draws(scene: Scene, assessed: assessment.Assessed, path: Path) -> None:
     """A row for each draw: its values by key, the model's answers, and each engine's (empty where it did not run, or failed)."""
-    model = assessed.model
+    model, draws = assessed.model, range(assessed.model.overturned.size)
     columns = {
-        "draw": range(model.overturned.size),
+        "draw": draws,
         **{name: column.tolist() for name, column in as_coefficients(scene, assessed.values).items()},
         f"{MODEL}_decided": model.decided.astype(int).tolist(),
         f"{MODEL}_overturned": model.overturned.astype(int).tolist(),
         f"{MODEL}_peak_theta_over_alpha": model.peak_share.tolist(),
         f"{MODEL}_peak_slip_m": model.peak_slip_m.tolist(),
+        **{
+            f"{name}_overturned": [int(item) if isinstance(item := answers.get(k), bool) else "" for k in draws]
+            for name, answers in assessed.fell.items()
+        },
     }
-    for name, answers in assessed.fell.items():
-        fell = (answers.get(k) for k in columns["draw"])
-        columns[f"{name}_overturned"] = [int(item) if isinstance(item, bool) else "" for item in fell]
     _write_csv(path, columns, zip(*columns.values(), strict=True))
 
 

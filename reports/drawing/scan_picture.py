@@ -114,10 +114,11 @@ def _faces(vertices: Array, faces: Faces, view: Array, placed: Array) -> list[st
 def _axes(view: Array, rotation: Array, x: float, words: str) -> list[str]:
     """A triad at the picture's foot; the columns of `rotation` are its axes."""
     foot = np.array([x, SIDE - MARGIN])
-    shapes = [text(x, SIDE - 12.0, words, size_px="11")]
-    for name, axis in zip("xyz", rotation.T, strict=True):
-        along = view[:2] @ axis * np.array([1.0, -1.0])
-        shapes.append(path([foot, foot + 34.0 * along], stroke=MUTED, width=2))
-        x_name, y_name = (foot + 46.0 * along).tolist()
-        shapes.append(text(x_name, y_name + 4.0, name))
-    return shapes
+    axes = {name: view[:2] @ axis * np.array([1.0, -1.0]) for name, axis in zip("xyz", rotation.T, strict=True)}
+    ends = [(name, foot + 34.0 * along, *(foot + 46.0 * along).tolist()) for name, along in axes.items()]
+    drawn = [
+        each
+        for name, end, x_name, y_name in ends
+        for each in (path([foot, end], stroke=MUTED, width=2), text(x_name, y_name + 4.0, name))
+    ]
+    return [text(x, SIDE - 12.0, words, size_px="11"), *drawn]

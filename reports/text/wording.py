@@ -276,13 +276,13 @@ def before_fall(run: Run, history: History | None) -> dict[str, float]:
     upright = history.t_s <= until
     # The history of a slip on the support is of the one along the plane.
     aside = {"statue_slip_m"} if number(run.validity, "slip_across_m", 0.0) > SLIDES_M else set()
-    rows = {}
-    for key, column in FOLLOWED.items():
-        if key in run.validity and key not in aside and column in history.extra and upright.any():
-            values = np.asarray(history.extra[column])
-            start = float(values[0]) if key == "yaw_rad" else 0.0
-            rows[key] = float(np.max(np.abs(values[upright] - start)))
-    return rows
+    known = {
+        key: np.asarray(history.extra[column])
+        for key, column in FOLLOWED.items()
+        if key in run.validity and key not in aside and column in history.extra and upright.any()
+    }
+    starts = {key: values[0] if key == "yaw_rad" else 0.0 for key, values in known.items()}
+    return {key: float(np.max(np.abs(values[upright] - starts[key]))) for key, values in known.items()}
 
 
 def tilt_rad(run: Run, history: History | None) -> float:
