@@ -130,13 +130,17 @@ class StudyPlan:
             if name not in variant.engines:
                 continue
             cases = [case for case in self._cases if case.variant == variant.name]
-            reasons = self._why(name, cases)
+            reasons, accuracy_rad = self._why(name, cases), self._study.asked_rad.get(name, DEFAULT_ACCURACY_RAD)
             for case in cases:
                 place = case.number, name
-                if place not in self._keys:
-                    self._reasons[place] = reasons.get(case.position, left_out)
-                    if case.position in reasons:
-                        yield self._planned(case, name)
+                if place in self._keys:
+                    continue
+                self._reasons[place] = reasons.get(case.position, left_out)
+                if case.position in reasons:
+                    made = partial(self._base.scene, case.setting)
+                    task = RunRequest(made, name, accuracy_rad, history=self._study.ask.histories).task(made())
+                    self._keys[place] = task.key
+                    yield task
 
     def _why(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, str]:
         """Why each of these places is asked of an engine, from what is known so far."""
@@ -162,13 +166,6 @@ class StudyPlan:
                 peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
                 answers[case.position] = selection.PlaceAnswer(run.outcome.value, peak)
         return answers
-
-    def _planned(self, case: Case, engine: str) -> Task:
-        accuracy = self._study.asked_rad.get(engine, DEFAULT_ACCURACY_RAD)
-        made = partial(self._base.scene, case.setting)
-        task = RunRequest(made, engine, accuracy, history=self._study.ask.histories).task(made())
-        self._keys[case.number, engine] = task.key
-        return task
 
     def rows(self) -> Iterator[PlanRow]:
         """All cases and engines in order: number, engine, key (None: not sent), reason, and what varies."""

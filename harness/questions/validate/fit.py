@@ -117,9 +117,7 @@ def counted(runs: Sequence[Drawn | CaseRun]) -> tuple[int, int]:
 def planned(trials: Sequence[Trial], share: Sequence[Trial], samples: int) -> int:
     """Runs of one model on tests of which those of the `share` are fitted on: as many, or few less where rows know more."""
     fitting = len(share) * len(WIDTHS) * min(samples, WIDTH_DRAWS)
-    fitting += sum(
-        len(group) * _count_tried(unknown) for group in _by_body(share).values() if (unknown := _unknown(group))
-    )
+    fitting += sum(len(own) * _count_tried(lists) for own, lists in _not_known(share).values())
     return fitting + len(trials) + (len(trials) - len(share)) * samples
 
 
@@ -144,7 +142,7 @@ def choose(trials: Sequence[Trial], ask: Ask, samples: int) -> FittedInputs:
         seen.update((trial.name, variant) for trial, variant in pairs)
         return ask(pairs)
 
-    bodies = [_Body(group, unknown) for group in _by_body(trials).values() if (unknown := _unknown(group))]
+    bodies = [_Body(own, lists) for own, lists in _not_known(trials).values()]
     answers = asked([pair for body in bodies for pair in body.pairs()])
     for body in bodies:
         body.hear(answers)
@@ -184,13 +182,11 @@ def _scattered(choice: FittedInputs, trials: Sequence[Trial], ask: Ask, samples:
     return min(tried, key=lambda each: each[0], default=(0.0, choice))[1]
 
 
-def _by_body(trials: Sequence[Trial]) -> dict[str, list[Trial]]:
-    return grouped((trial.body, trial) for trial in trials)
-
-
-def _unknown(trials: Sequence[Trial]) -> dict[str, tuple[Any, ...]]:
-    """The lists of one body's tests."""
-    return {name: values for trial in trials for name, values in trial.unknown.items()}
+def _not_known(trials: Sequence[Trial]) -> dict[str, tuple[Sequence[Trial], Mapping[str, Sequence[Any]]]]:
+    """By body of which something is not known: its tests, and the lists of values in their rows."""
+    by_body = grouped((trial.body, trial) for trial in trials)
+    every = {body: {key: each for trial in own for key, each in trial.unknown.items()} for body, own in by_body.items()}
+    return {body: (by_body[body], lists) for body, lists in every.items() if lists}
 
 
 def designed(unknown: Mapping[str, Sequence[Any]], count: int) -> list[Inputs]:
@@ -300,10 +296,9 @@ class _Body:
 
 def fitted(trials: Sequence[Trial], choice: FittedInputs) -> Fitted:
     """What was chosen, as values of the table."""
-    rows = []
+    rows, not_known = [], _not_known(trials)
     for (body, day), weighed in choice.of_set_up.items():
-        lists = _unknown([trial for trial in trials if trial.body == body])
-        for name, values in lists.items():
+        for name, values in not_known[body][1].items():
             best = getattr(weighed.best, name)
             same = [getattr(each, name) == best for each in weighed.settings]
             numbers = [value for value in values if isinstance(value, float)]

@@ -30,16 +30,14 @@ SUMS: Final = ("law", "bias", "rms", "rms_over_scatter", "trials", "scatter_of_r
 
 @dataclass(frozen=True, eq=False)
 class BlockTrials:
-    """The trials of one block: height over width, measured ratios (n,)."""
+    """The trials of one block: height over width, measured ratios (n,), the model's (angular momentum about the new corner is
+    kept).
+    """
 
     name: str
     slenderness: float
     measured: Array
-
-    @property
-    def housner(self) -> float:
-        """The model's ratio: angular momentum about the new corner is kept."""
-        return rectangle_ratio(math.atan(1.0 / self.slenderness))
+    housner: float
 
 
 def read_ratios(path: Path) -> list[BlockTrials]:
@@ -54,7 +52,8 @@ def read_ratios(path: Path) -> list[BlockTrials]:
         elif not (ratios > 0.0).all():
             mistakes.append(Mistake(str(path), f"group {name}: ratio_measured", "positive ratios", f"{ratios.min():g}"))
         else:
-            groups.append(BlockTrials(name, float(sizes[0, 1] / sizes[0, 0]), ratios))
+            slenderness = float(sizes[0, 1] / sizes[0, 0])
+            groups.append(BlockTrials(name, slenderness, ratios, rectangle_ratio(math.atan(1.0 / slenderness))))
     if not mistakes and (len(groups) < 2 or max(group.measured.size for group in groups) < 2):
         mistakes.append(Mistake(str(path), "", "two groups, and a repeated trial", f"{len(groups)} groups"))
     refuse(mistakes)
@@ -80,8 +79,7 @@ def scored_ratios(measured: MeasuredSet) -> MeasuredRecord:
     rows: Rows = []
     for group, ratio in sorted(zip(groups, given, strict=True), key=lambda pair: pair[0].slenderness):
         mean, count = float(group.measured.mean()), group.measured.size
-        own = float(group.measured.std(ddof=1)) if count > 1 else None
-        error = scatter / math.sqrt(count)
+        own, error = float(group.measured.std(ddof=1)) if count > 1 else None, scatter / math.sqrt(count)
         housner = group.housner
         rows.append([group.name, group.slenderness, count, mean, own, housner, housner - mean, error, ratio - mean])
     every = np.concatenate([group.measured for group in groups])
