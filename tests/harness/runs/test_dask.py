@@ -85,7 +85,7 @@ def test_a_study_on_a_cluster_that_loses_a_worker_ends_in_the_same_store(cluster
         add = store.add
 
         def counted(results: Sequence[Packed], clock_s: float = 0.0) -> None:
-            stored.update(item.key for item in results)
+            stored.update(item.columns[0] for item in results)
             add(results, clock_s)
 
         store.add = counted  # type: ignore[method-assign]
