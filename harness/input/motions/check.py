@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -66,7 +66,7 @@ def check(record: RecordFile) -> tuple[Finding, ...]:
     return tuple(doubts)
 
 
-def _channel(channel: Channel, record: RecordFile) -> list[Finding]:
+def _channel(channel: Channel, record: RecordFile) -> Iterator[Finding]:
     accel = channel.accel_m_s2
     if accel.size < 2:
         raise mistake(record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
@@ -78,30 +78,32 @@ def _channel(channel: Channel, record: RecordFile) -> list[Finding]:
     peak_g = float(np.abs(accel).max()) / STANDARD_GRAVITY_M_S2
     if peak_g == 0.0:
         raise mistake(record.path, channel.name, "a motion", "nothing but zeros")
+    spikes = _spikes(channel, record)
     if peak_g > LARGEST_PEAK_G:
         likely = _likely_units(peak_g, record.unit)
-        if spikes := _spikes(channel, record):
+        if spikes:
             likely = f"{spikes['alone']} of {spikes['samples']} samples stand alone above all others: spikes, or missing samples?"
         raise mistake(
             record.path, channel.name, f"a peak below {LARGEST_PEAK_G:g} g", f"{peak_g:.4g} g in {record.unit}", likely
         )
-    doubts = _of_clock_and_sense(channel)
-    if spikes := _spikes(channel, record):
-        doubts.append(caution("record_spikes", **spikes))
+    yield from _of_clock_and_sense(channel)
+    if spikes:
+        yield caution("record_spikes", **spikes)
+    against = [*_against_header(channel)]
     if peak_g < SMALLEST_PEAK_G:
-        claimed = channel.stated_peak_m_s2 is not None and not _against_header(channel)
+        claimed = channel.stated_peak_m_s2 is not None and not against
         units = [*_fitting_units(peak_g, record.unit)]
-        doubts.append(caution("record_small", peak_g=peak_g, stated=claimed, units=units))
-    doubts += [*_against_header(channel), *_drift(channel)]
+        yield caution("record_small", peak_g=peak_g, stated=claimed, units=units)
+    yield from against
+    yield from _drift(channel)
     edge = max(1, int(_END_SHARE * accel.size))
     for name, part in (("begins", accel[:edge]), ("ends", accel[-edge:])):
         share = float(np.abs(part).max() / np.abs(accel).max())
         if share > ABRUPT:
-            doubts.append(caution("record_abrupt", at=name, share=share))
+            yield caution("record_abrupt", at=name, share=share)
     run = _longest_flat(accel)
     if run > _FLAT_SAMPLES:
-        doubts.append(caution("record_flat", lasts_s=run * channel.dt_s))
-    return doubts
+        yield caution("record_flat", lasts_s=run * channel.dt_s)
 
 
 def refuse_fillers(values: Floats, where: str, place: Callable[[int], str]) -> None:
@@ -151,45 +153,40 @@ def _spikes(channel: Channel, record: RecordFile) -> dict[str, object]:
     return counts | {"peak": peak, "others": others, "unit": unit, "at_s": float(channel.t_s[row])}
 
 
-def _of_clock_and_sense(channel: Channel) -> list[Finding]:
+def _of_clock_and_sense(channel: Channel) -> Iterator[Finding]:
     """What is doubtful in the step, and what was taken for granted of the direction."""
-    doubts: list[Finding] = []
     least_s, most_s = USUAL_STEPS_S
     if not least_s <= channel.dt_s <= most_s:
         lasts = channel.dt_s * (channel.accel_m_s2.size - 1)
-        doubts.append(caution("record_step", dt_s=channel.dt_s, lasts_s=lasts))
+        yield caution("record_step", dt_s=channel.dt_s, lasts_s=lasts)
     if channel.orientation.sense_assumed:
-        doubts.append(caution("record_sense_assumed"))
+        yield caution("record_sense_assumed")
     if channel.orientation.sign < 0:
-        doubts.append(info("record_downwards"))
-    return doubts
+        yield info("record_downwards")
 
 
-def _drift(channel: Channel) -> list[Finding]:
+def _drift(channel: Channel) -> Iterator[Finding]:
     """Whether the record runs away when it is integrated, and what takes that off."""
     series = Series(channel.dt_s, channel.accel_m_s2)
     velocity, path_m = velocity_m_s(series), displacement_m(series)
     fastest, farthest = float(np.abs(velocity).max()), float(np.abs(path_m).max())
-    left = (abs(float(velocity[-1])), abs(float(path_m[-1])))
     of_peak, of_way = DRIFT_PATH
-    if left[0] <= DRIFT_VELOCITY * fastest and not (
-        left[1] > of_peak * farthest and left[1] > of_way * fastest * series.duration_s
-    ):
-        return []
-    return [caution("record_drifts", velocity_m_s=float(velocity[-1]), displacement_m=float(path_m[-1]))]
+    last_m_s, last_m = float(velocity[-1]), float(path_m[-1])
+    far = max(of_peak * farthest, of_way * fastest * series.duration_s)
+    if abs(last_m_s) > DRIFT_VELOCITY * fastest or abs(last_m) > far:
+        yield caution("record_drifts", velocity_m_s=last_m_s, displacement_m=last_m)
 
 
-def _against_header(channel: Channel) -> list[Finding]:
+def _against_header(channel: Channel) -> Iterator[Finding]:
+    """What of the header's peak the samples do not show."""
     accel, stated = channel.accel_m_s2, channel.stated_peak_m_s2
     if stated is None:
-        return []
-    doubts: list[Finding] = []
+        return
     at = int(np.argmax(np.abs(accel)))
     if abs(abs(accel[at]) - abs(stated)) > STATED_PEAK_TOLERANCE * abs(stated):
-        doubts.append(caution("record_peak_stated", peak_m_s2=float(accel[at]), stated_m_s2=stated))
+        yield caution("record_peak_stated", peak_m_s2=float(accel[at]), stated_m_s2=stated)
     if channel.stated_peak_s is not None and abs(at * channel.dt_s - channel.stated_peak_s) > 2.0 * channel.dt_s:
-        doubts.append(caution("record_peak_time", at_s=at * channel.dt_s, stated_s=channel.stated_peak_s))
-    return doubts
+        yield caution("record_peak_time", at_s=at * channel.dt_s, stated_s=channel.stated_peak_s)
 
 
 def _likely_units(peak_g: float, unit: str) -> str:

@@ -308,10 +308,7 @@ def text_of(raw: bytes, where: str) -> str:
 
 def header_number(text: str, where: str, place: str, what: str) -> float:
     """The finite positive number that a header gives for `what`; InputError naming its `place` where it gives none."""
-    try:
-        value = fortran(text)
-    except ValueError:
-        value = 0.0
+    value = _number(text) or 0.0
     if not 0.0 < value < np.inf:
         raise mistake(where, place, f"{what}, a positive number", repr(text.strip()), "the header is damaged")
     return value
@@ -323,6 +320,15 @@ def header_count(text: str, where: str, place: str, what: str) -> int:
     if value < 2.0 or value != int(value):
         raise mistake(where, place, f"{what}, a whole number of 2 or more", repr(text.strip()), "the header is damaged")
     return int(value)
+
+
+def block(
+    lines: Sequence[str], first: int, count: int, form: tuple[int, int], where: str, what: str = "accelerations"
+) -> NDArray[np.float64]:
+    """The `count` numbers from lines[first] on, so many in a line and so wide as `form` says (`fortran_format`)."""
+    per_line, width = form
+    rows = lines[first : first - (-count // per_line)]
+    return fixed_width(rows, width, count, where=where, first_line=first + 1, what=what)
 
 
 def fixed_width(
@@ -373,14 +379,13 @@ def _floats(text: str, fields: Sequence[str]) -> NDArray[np.float64]:
 def _field(line: str, start: int, width: int, where: str, number: int) -> float:
     """The number in `width` characters of a line; InputError where they hold none."""
     part = line[start : start + width]
-    try:
-        return fortran(part)
-    except ValueError:
-        place = f"line {number}, column {start + 1}"
-        advice = "the file is damaged, or has lost blanks: take it as it was downloaded"
-        if "\t" in line:
-            advice = "tabs stand where the network writes blanks: take the file as it was downloaded"
-        raise mistake(where, place, f"a number {width} characters wide", repr(part.strip()), advice) from None
+    if (value := _number(part)) is not None:
+        return value
+    advice = "the file is damaged, or has lost blanks: take it as it was downloaded"
+    if "\t" in line:
+        advice = "tabs stand where the network writes blanks: take the file as it was downloaded"
+    place = f"line {number}, column {start + 1}"
+    raise mistake(where, place, f"a number {width} characters wide", repr(part.strip()), advice)
 
 
 def finite(values: NDArray[np.float64], where: str, what: str) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ from harness.input.motions.recordfile import (
     Floats,
     Header,
     RecordFile,
+    block,
     fixed_width,
     fortran_format,
     mistake,
@@ -53,9 +54,13 @@ def read(lines: list[str], where: str) -> RecordFile:
         if header := _HEADER.match(line):
             count, kind, rows, form = header.groups()
             _, width = fortran_format(form, where, f"line {i + 1}")
-            block = lines[i + 1 : i + 1 + int(rows)]
             numbers[kind.lower()] = fixed_width(
-                block, width, int(count), where=where, first_line=i + 2, what=f"{kind} header"
+                lines[i + 1 : i + 1 + int(rows)],
+                width,
+                int(count),
+                where=where,
+                first_line=i + 2,
+                what=f"{kind} header",
             )
         elif data := _DATA.match(line):
             channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), found)
@@ -84,12 +89,12 @@ def _channel(
     unit = _COUNTS if code == "50" or written.lower().startswith("count") else unit_named(written) or _CODES.get(code)
     if unit is None:
         raise mistake(where, place, "accelerations in cm/s², g or counts", repr(written))
-    per_line, width = fortran_format(data.group(5), where, place)
+    form = fortran_format(data.group(5), where, place)
     integers, reals = (numbers.get(kind, np.empty(0)) for kind in ("integer", "real"))
     if integers.size <= _DIRECTION or reals.size <= _PEAK_TIME or count < 2:
         raise mistake(where, place, "whole integer and real headers before the data", "shorter ones")
     dt_s = _step_s([float(reals[at]) for at in _STEP], count, duration, where)
-    values = fixed_width(lines[i + 1 : i + 1 + -(-count // per_line)], width, count, where=where, first_line=i + 2)
+    values = block(lines, i + 1, count, form, where)
     name, orientation = _direction(int(integers[_DIRECTION]), head, found)
     if unit == _COUNTS:
         values, rest_g = _in_g(values, reals, where)

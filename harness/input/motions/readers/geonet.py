@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, check_rows, fixed_width, mistake
+from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, block, check_rows, mistake
 from harness.model.finding import caution
 
 MARK = re.compile(r"[^\S\n]*(un)?corrected accelerogram\b.*\bGNS|(?:.*\n){12}Component.*\n.*mm/s/s", re.IGNORECASE)
@@ -45,7 +45,7 @@ def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Cha
         raise mistake(where, f"lines {start + 1} to {first}", wanted, "others", "lines are missing, or too many")
     rows = -(-count // _PER_LINE)
     check_rows(lines, first, blocks * rows, where)
-    values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
+    values = block(lines, first, count, (_PER_LINE, _WIDTH), where)
     if head.find(r"(Raw readings)")[0]:
         values = values * head.number(r"in units of\s+(\S+)\s*mm/s/s", "a unit of so many mm/s/s")
     peak = head.peak(r"^Acceleration:\s+peak\s+([-+.\deEdD]+)\s*\S+\s+at\s+(\S+)\s+s")

@@ -14,7 +14,7 @@ from harness.input.motions.recordfile import (
     Floats,
     Header,
     RecordFile,
-    fixed_width,
+    block,
     mistake,
     parse_orientation,
 )
@@ -26,7 +26,7 @@ _TEXT_LINES, _INTEGER_LINES, _REAL_LINES = 11, 6, 10
 _VERTICAL, _AZIMUTH, _COMMENTS, _COUNT = 12, 13, 15, 16  # places among the integers, from 0
 _RATE, _TIMES_AND_PEAKS = 1, (28, 32)  # places among the reals, from 0
 _NO_REAL = 1e38
-_WIDTH, _PER_LINE = 10, 8
+_INTEGERS, _REALS, _VALUES = (8, 10), (5, 15), (8, 10)  # numbers in a line, and characters in a number
 _LARGEST_INTEGER: Final = 1e10
 
 
@@ -36,13 +36,17 @@ def read(lines: list[str], where: str) -> RecordFile:
     if kind not in ("1", "2"):
         got, advice = repr(lines[0].strip()), "take the file whose first line says ACCELEROGRAM"
         raise mistake(where, "line 1", "1 UNCORRECTED or 2 CORRECTED ACCELEROGRAM", got, advice)
-    ints, reals, first = _headers(lines, where)
+    ints = block(lines, _TEXT_LINES, 48, _INTEGERS, where, "integer header")
+    largest = float(np.max(np.abs(ints)))
+    if largest > _LARGEST_INTEGER:
+        raise mistake(where, "integer header", "integers of at most ten digits", f"{largest:g}")
+    reals = block(lines, _TEXT_LINES + _INTEGER_LINES, 50, _REALS, where, "real header")
+    first = _TEXT_LINES + _INTEGER_LINES + _REAL_LINES + max(int(ints[_COMMENTS]), 0)
     count, rate = int(ints[_COUNT]), float(reals[_RATE])
     paired = kind == "1" and rate >= _NO_REAL
     if count < 2 or not (paired or 0.0 < rate < 1e5):
         raise mistake(where, "header", "a number of values and a sampling rate", f"{count} and {rate:g} per second")
-    rows = -(-count // _PER_LINE)
-    values = fixed_width(lines[first : first + rows], _WIDTH, count, where=where, first_line=first + 1)
+    values = block(lines, first, count, _VALUES, where)
     head = Header(lines[:_TEXT_LINES], where)
     name = head.words(r"component\s*=\s*(\S+)") or str(int(ints[_AZIMUTH]))
     dt_s, start_s = (0.0 if paired else 1.0 / rate), 0.0
@@ -58,20 +62,6 @@ def read(lines: list[str], where: str) -> RecordFile:
     form = "USGS SMC" if kind == "2" else "USGS SMC, uncorrected"
     group = f"{facts['event']}|{facts['station']}"
     return RecordFile(where, form, "cm/s2", (channel,), facts, group, (*raw, *said))
-
-
-def _headers(lines: list[str], where: str) -> tuple[Floats, Floats, int]:
-    """The integers, the reals and the place of the first line of values."""
-    reals_from = _TEXT_LINES + _INTEGER_LINES
-    comments_from = reals_from + _REAL_LINES
-    block = lines[_TEXT_LINES:reals_from]
-    ints = fixed_width(block, 10, 48, where=where, first_line=_TEXT_LINES + 1, what="integer header")
-    largest = float(np.max(np.abs(ints)))
-    if largest > _LARGEST_INTEGER:
-        raise mistake(where, "integer header", "integers of at most ten digits", f"{largest:g}")
-    block = lines[reals_from:comments_from]
-    reals = fixed_width(block, 15, 50, where=where, first_line=reals_from + 1, what="real header")
-    return ints, reals, comments_from + max(int(ints[_COMMENTS]), 0)
 
 
 def _direction(name: str, ints: Floats) -> ChannelOrientation:

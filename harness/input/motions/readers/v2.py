@@ -12,8 +12,8 @@ from harness.input.motions.recordfile import (
     Channel,
     Header,
     RecordFile,
+    block,
     check_rows,
-    fixed_width,
     fortran_format,
     header_count,
     header_number,
@@ -37,7 +37,7 @@ _OLD_FORMAT = "(8F10.3)"
 
 def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a CSMIP V2 file; InputError where values are missing or the unit is unknown."""
-    blocks = [(i, block) for i, line in enumerate(lines) if (block := _BLOCK.match(line))]
+    blocks = [(i, said) for i, line in enumerate(lines) if (said := _BLOCK.match(line))]
     if not blocks:
         wanted = "a line such as '3251 points of accel data equally spaced at .020 sec, in cm/sec2'"
         raise mistake(where, "", wanted, "none", "the file is cut off, or holds no corrected accelerations")
@@ -49,33 +49,29 @@ def read(lines: list[str], where: str) -> RecordFile:
     if len(parts) % len(blocks) or any("ACCELEROGRAM" in line.upper() for line in lines[last + 1 + rows :]):
         got = f"{len(parts)} blocks of numbers in {len(blocks)} channels"
         raise mistake(where, f"line {len(lines)}", "as many in each", got, CUT_OFF)
-    channels: list[Channel] = []
-    head_from = 0
-    for start, block in blocks:
-        channels.append(_channel(lines, head_from, start, block, where))
-        head_from = start + 1
+    heads = [0, *(start + 1 for start, _ in blocks)]
+    channels = [_channel(lines, head, *place, where) for head, place in zip(heads, blocks, strict=False)]
     facts = {"event": lines[2].strip(), "station": lines[6].strip() if len(lines) > 6 else ""}
-    name = "CSMIP V2" if all(block[2].upper() == "ACCEL" for _, block in blocks) else "USC V2"
+    name = "CSMIP V2" if all(said[2].upper() == "ACCEL" for _, said in blocks) else "USC V2"
     return RecordFile(where, name, "cm/s2", tuple(channels), facts)
 
 
-def _channel(lines: list[str], head_from: int, start: int, block: re.Match[str], where: str) -> Channel:
+def _channel(lines: list[str], head_from: int, start: int, said: re.Match[str], where: str) -> Channel:
     place = f"line {start + 1}"
-    count = header_count(block.group(1), where, place, "number of points")
-    dt_s = header_number(block.group(3), where, place, "step in seconds")
+    count = header_count(said.group(1), where, place, "number of points")
+    dt_s = header_number(said.group(3), where, place, "step in seconds")
     head = Header([line for line in lines[head_from:start] if not line.startswith("/&")], where)
     # USC's lines need not name the unit: their peak does.
-    written = block.group(4) or head.words(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT.replace('(', '(?:')}\s+(\S+?),?\s+AT\b")
+    written = said.group(4) or head.words(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT.replace('(', '(?:')}\s+(\S+?),?\s+AT\b")
     unit = unit_named(written)
     if unit is None:
         raise mistake(where, place, "accelerations in cm/sec/sec or g", repr(written))
-    per_line, width = fortran_format(block.group(5) or _OLD_FORMAT, where, place)
-    data = lines[start + 1 : start + 1 + -(-count // per_line)]
-    values = fixed_width(data, width, count, where=where, first_line=start + 2)
+    form = fortran_format(said.group(5) or _OLD_FORMAT, where, place)
+    values = block(lines, start + 1, count, form, where)
     name = head.words(r"CHAN\s+\d+:\s*(\S+)") or head.words(r"\bCOMP(?:ONENT)?\s*:?\s+(\S+)") or "1"
     peak = head.peak(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT}\s+\S+\s+AT\s+{_FLOAT}")
     largest = float(np.abs(values).max())
-    if not block.group(4) and abs(largest - abs(peak[0] or 0.0)) > STATED_PEAK_TOLERANCE * largest:
+    if not said.group(4) and abs(largest - abs(peak[0] or 0.0)) > STATED_PEAK_TOLERANCE * largest:
         raise mistake(
             where, place, f"accelerations in the unit of their peak, {peak[0]} {written}", f"a peak of {largest:g}"
         )
