@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, area_vector, triangulated, weld
+from meshes.mesh import Array, Doubt, Faces, RawMesh, area_vector, must, triangulated, weld
 from meshes.processing_log import rims
 
 WALL_COVERS: Final = 0.7
@@ -249,12 +249,12 @@ def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
     from trimesh.intersections import slice_faces_plane
 
     low, size = float(mesh.vertices[:, 2].min()), float(np.ptp(mesh.vertices[:, 2]))
-    if not 0.0 < height_m < (1.0 - CUT_TRIES * NEAR_CUT) * size:
-        raise MeshError(
-            f"a cut between the lowest and the highest point, {size:.4g} m above it",
-            f"{height_m:g} m",
-            place=mesh.source,
-        )
+    must(
+        0.0 < height_m < (1.0 - CUT_TRIES * NEAR_CUT) * size,
+        f"a cut between the lowest and the highest point, {size:.4g} m above it",
+        f"{height_m:g} m",
+        place=mesh.source,
+    )
     level = low + height_m
     for _ in range(CUT_TRIES):
         if np.any(np.abs(mesh.vertices[:, 2] - level) < NEAR_CUT * size):

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.mesh import Array, Faces, MeshError, RawMesh, weld
+from meshes.mesh import Array, Faces, MeshError, RawMesh, must, weld
 from meshes.orientation import turn_axis
 from meshes.processing_log import EdgeCount, by_part
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
@@ -44,21 +44,21 @@ def must_be_readable(file: Path) -> None:
         total, packed = _elements(document), _packed(document)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return
-    if packed:
-        raise MeshError(
-            "a glTF whose geometry is plain triangles",
-            packed,
-            "export it again without compression (Blender reads Draco and writes a plain GLB; gltf-transform copy unpacks"
-            " Draco and meshopt)",
-            place=str(file),
-        )
-    if total > MOST_ELEMENTS:
-        raise MeshError(
-            f"at most {MOST_ELEMENTS:,} vertices and indices in all nodes",
-            f"{total:,}",
-            "export the statue alone, decimated",
-            place=str(file),
-        )
+    must(
+        not packed,
+        "a glTF whose geometry is plain triangles",
+        packed,
+        "export it again without compression (Blender reads Draco and writes a plain GLB; gltf-transform copy unpacks"
+        " Draco and meshopt)",
+        place=str(file),
+    )
+    must(
+        total <= MOST_ELEMENTS,
+        f"at most {MOST_ELEMENTS:,} vertices and indices in all nodes",
+        f"{total:,}",
+        "export the statue alone, decimated",
+        place=str(file),
+    )
 
 
 def _packed(document: dict[str, Any]) -> str:
@@ -112,13 +112,13 @@ def read_mesh(path: str | Path) -> RawMesh:
     """The triangles of a PLY, OBJ, STL, GLB or GLTF file, all its parts in one; raises MeshError if it is not a
     usable mesh."""
     file = Path(path)
-    if file.suffix.lower() not in FORMATS:
-        raise MeshError(
-            f"one of {', '.join(FORMATS)}",
-            str(file.suffix or "no suffix"),
-            "export the scan as PLY or OBJ",
-            place=str(file),
-        )
+    must(
+        file.suffix.lower() in FORMATS,
+        f"one of {', '.join(FORMATS)}",
+        str(file.suffix or "no suffix"),
+        "export the scan as PLY or OBJ",
+        place=str(file),
+    )
     _must_be_there(file)
     if file.suffix.lower() == ".stl":
         _must_be_stl(file)
@@ -148,10 +148,8 @@ def _must_be_there(file: Path) -> None:
         there = file.is_file()
     except OSError as error:
         raise MeshError("a mesh file", str(error.strerror), "check the path", place=str(file)) from error
-    if not there:
-        raise MeshError("a mesh file", "none of that name", "check the path", place=str(file))
-    if file.stat().st_size == 0:
-        raise MeshError("a mesh", "an empty file", "export it again", place=str(file))
+    must(there, "a mesh file", "none of that name", "check the path", place=str(file))
+    must(file.stat().st_size != 0, "a mesh", "an empty file", "export it again", place=str(file))
 
 
 def _triangles(file: Path) -> tuple[Array, Faces]:
@@ -170,20 +168,20 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
         raise MeshError(
             f"a {suffix} mesh", f"a file that does not parse ({_reason(error)})", "export it again", place=str(file)
         ) from error
-    if not len(faces):
-        raise MeshError(
-            "a surface of triangles",
-            "no face (a point cloud?)",
-            "mesh it first, for example by Poisson reconstruction",
-            place=str(file),
-        )
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise MeshError(
-            f"faces of vertices 0 to {len(vertices) - 1}",
-            f"{int(faces.min())} to {int(faces.max())}",
-            "the file is damaged: export it again",
-            place=str(file),
-        )
+    must(
+        len(faces),
+        "a surface of triangles",
+        "no face (a point cloud?)",
+        "mesh it first, for example by Poisson reconstruction",
+        place=str(file),
+    )
+    must(
+        faces.min() >= 0 and faces.max() < len(vertices),
+        f"faces of vertices 0 to {len(vertices) - 1}",
+        f"{int(faces.min())} to {int(faces.max())}",
+        "the file is damaged: export it again",
+        place=str(file),
+    )
     _must_resolve(vertices, faces, str(file))
     return vertices.astype(np.float64), faces
 
@@ -219,14 +217,14 @@ def _must_resolve(vertices: NDArray[Any], faces: Faces, place: str) -> None:
         collapsed = float((vertices[faces] == vertices[np.roll(faces, 1, axis=1)]).all(axis=2).any(axis=1).mean())
         if collapsed < COLLAPSED and (offset < FAR * extent or len(vertices) < MANY):
             return
-    if step > FINEST_SHARE * extent:
-        raise MeshError(
-            f"coordinates that resolve a {1.0 / FINEST_SHARE:.0f}th of the body's {extent:.4g} units",
-            f"coordinates that resolve only {step:.3g} units, at {offset:.7g} units from their origin",
-            "subtract the offset in the scanning software (CloudCompare: Global Shift) before it writes single"
-            " precision, or export in double precision with more digits",
-            place=place,
-        )
+    must(
+        step <= FINEST_SHARE * extent,
+        f"coordinates that resolve a {1.0 / FINEST_SHARE:.0f}th of the body's {extent:.4g} units",
+        f"coordinates that resolve only {step:.3g} units, at {offset:.7g} units from their origin",
+        "subtract the offset in the scanning software (CloudCompare: Global Shift) before it writes single"
+        " precision, or export in double precision with more digits",
+        place=place,
+    )
 
 
 def _grid(vertices: Array, finest: float) -> float:
@@ -250,14 +248,13 @@ def _must_be_stl(file: Path) -> None:
         head = stream.read(1024)
     count = int.from_bytes(head[80:84], "little")
     text = head.lstrip().startswith(b"solid") and b"facet" in head
-    if not text and (len(head) < 84 or size != 84 + 50 * count):
-        raise MeshError(
-            "an STL",
-            f"{size} bytes that are neither a binary one (84, and 50 for each triangle) nor one in text"
-            " (solid … facet …)",
-            "export it again",
-            place=str(file),
-        )
+    must(
+        text or (len(head) >= 84 and size == 84 + 50 * count),
+        "an STL",
+        f"{size} bytes that are neither a binary one (84, and 50 for each triangle) nor one in text (solid … facet …)",
+        "export it again",
+        place=str(file),
+    )
 
 
 def _reason(error: Exception) -> str:
@@ -283,8 +280,7 @@ def to_metres_z_up(mesh: RawMesh, unit: str | float, up: str) -> RawMesh:
     """The mesh in metres with `up` turned to +z; raises MeshError for an unknown unit or axis, or an absurd height."""
     vertices = unit_length_m(unit) * mesh.vertices @ turn_axis(up).T
     height = float(np.ptp(vertices[:, 2]))
-    if not SHORTEST_M <= height <= TALLEST_M:
-        raise wrong_size(f"{height:.4g} m with unit {unit!r} and up {up!r}", mesh.source)
+    must_have_size(height, f"{height:.4g} m with unit {unit!r} and up {up!r}", mesh.source)
     return mesh.moved(vertices)
 
 
@@ -342,9 +338,8 @@ def _closed(path: Path, unit: str | float, up: str, _state: tuple[int, int]) -> 
 def must_be_closed(mesh: RawMesh) -> None:
     """Refuse a surface that does not bound a volume: open, inconsistently wound or branching edges."""
     count = EdgeCount.of(mesh.faces)
-    if count.closed:
-        return
-    raise MeshError(
+    must(
+        count.closed,
         "a closed surface",
         f"{count.boundary} edges with one face, {count.branching} with more than two and {count.misoriented}"
         " between faces of opposite orientation",
@@ -360,23 +355,22 @@ def must_be_one(mesh: RawMesh) -> None:
         return
     volumes = [mass_properties(mesh.vertices, shell).volume_m3 for shell in shells]
     bodies = sum(volume > 0.0 for volume in volumes)
-    if bodies > 1:
-        sizes = ", ".join(f"{volume:.3g} m³" for volume in sorted(volumes, reverse=True)[:4])
-        raise MeshError(
-            "one body",
-            f"{bodies} of {sizes}",
-            "export each to a file of its own, or join those that overlap and drop debris with rockcheck"
-            " mesh prepare, which writes what it changed",
-            place=mesh.source,
-        )
+    sizes = ", ".join(f"{volume:.3g} m³" for volume in sorted(volumes, reverse=True)[:4])
+    must(
+        bodies <= 1,
+        "one body",
+        f"{bodies} of {sizes}",
+        "export each to a file of its own, or join those that overlap and drop debris with rockcheck"
+        " mesh prepare, which writes what it changed",
+        place=mesh.source,
+    )
 
 
 def must_have_thickness(mesh: RawMesh) -> None:
     """Refuse a flat sheet before anything is made of it."""
     extent = np.ptp(mesh.vertices, axis=0)
-    if extent.min() < 0.01 * extent.max():
-        size = " × ".join(f"{each:.4g}" for each in extent)
-        raise MeshError("a body", f"a flat sheet of {size} units", "scan it from all sides", place=mesh.source)
+    flat = f"a flat sheet of {' × '.join(f'{each:.4g}' for each in extent)} units"
+    must(extent.min() >= 0.01 * extent.max(), "a body", flat, "scan it from all sides", place=mesh.source)
 
 
 def must_be_of_a_statue_s_size(mesh: RawMesh, unit: str | float | None) -> None:
@@ -384,11 +378,11 @@ def must_be_of_a_statue_s_size(mesh: RawMesh, unit: str | float | None) -> None:
     if unit is None:
         return
     size = unit_length_m(unit) * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
-    if not SHORTEST_M <= size <= WIDEST * TALLEST_M:
-        raise wrong_size(f"a body of {size:.4g} m from corner to corner with unit {unit}", mesh.source)
+    got = f"a body of {size:.4g} m from corner to corner with unit {unit}"
+    must_have_size(size, got, mesh.source, WIDEST * TALLEST_M)
 
 
-def wrong_size(got: str, place: str) -> MeshError:
-    """The refusal of a statue of no statue's size."""
+def must_have_size(size_m: float, got: str, place: str, most_m: float = TALLEST_M) -> None:
+    """Refuse what is of no statue's size; `got` tells it."""
     wanted = f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high"
-    return MeshError(wanted, got, "check the unit the scan was exported in", place)
+    must(SHORTEST_M <= size_m <= most_m, wanted, got, "check the unit the scan was exported in", place)

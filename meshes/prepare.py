@@ -12,15 +12,13 @@ from meshes import repair
 from meshes.beside import attached_floor, cut_below, cut_beyond
 from meshes.doubts import floor_refused, not_one_body, other_attached
 from meshes.intake import (
-    SHORTEST_M,
-    TALLEST_M,
     must_be_of_a_statue_s_size,
+    must_have_size,
     must_have_thickness,
     read_mesh,
     unit_length_m,
-    wrong_size,
 )
-from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, unique_rows, weld
+from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, must, unique_rows, weld
 from meshes.orientation import Orientation, find_orientation, turn_axis
 from meshes.processing_log import Change, EdgeCount, ProcessingLog
 from meshes.repair import close_pinches, open_branches
@@ -239,11 +237,20 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
     """The mesh in metres, from the unit, the true height, or the unit that the format fixes."""
     height = float(np.ptp(state.mesh.vertices[:, 2]))
-    if wanted.unit is not None and wanted.height_m is not None:
-        raise MeshError("the unit or the true height", "both", "give one of them", place=state.mesh.source)
+    must(
+        wanted.unit is None or wanted.height_m is None,
+        "the unit or the true height",
+        "both",
+        "give one of them",
+        place=state.mesh.source,
+    )
     if wanted.height_m is not None:
-        if not (np.isfinite(wanted.height_m) and wanted.height_m > 0.0):
-            raise MeshError("a positive height in metres", str(wanted.height_m), place=state.mesh.source)
+        must(
+            np.isfinite(wanted.height_m) and wanted.height_m > 0.0,
+            "a positive height in metres",
+            str(wanted.height_m),
+            place=state.mesh.source,
+        )
         unit_m, why = wanted.height_m / height, "height"
     elif wanted.unit is not None:
         unit_m, why = unit_length_m(wanted.unit), "unit"
@@ -257,8 +264,7 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
             "give the unit (--unit) or the true height (--height)",
             place=state.mesh.source,
         )
-    if not SHORTEST_M <= unit_m * height <= TALLEST_M:
-        raise wrong_size(f"{unit_m * height:.4g} m by its {why}", state.mesh.source)
+    must_have_size(unit_m * height, f"{unit_m * height:.4g} m by its {why}", state.mesh.source)
     made = None
     if unit_m != 1.0:
         values = {"why": why, "unit_m": unit_m, "unit": wanted.unit, "height_m": wanted.height_m}
@@ -308,20 +314,20 @@ def _checked(state: Prepared) -> Prepared:
     """What is still open or was changed too much is refused; where it crosses itself is said."""
     mesh, log = state.mesh, state.log
     count = EdgeCount.of(mesh.faces)
-    if not count.closed:
-        raise MeshError(
-            "a closed surface after repair",
-            f"{count.boundary} open, {count.branching} branching and {count.misoriented} misoriented edges",
-            "repair it in MeshLab (Repair filters) or Blender (3D Print toolbox)",
-            place=mesh.source,
-        )
+    must(
+        count.closed,
+        "a closed surface after repair",
+        f"{count.boundary} open, {count.branching} branching and {count.misoriented} misoriented edges",
+        "repair it in MeshLab (Repair filters) or Blender (3D Print toolbox)",
+        place=mesh.source,
+    )
     invented = log.invented_rel
-    if sum(invented.values()) > MOST_INVENTED_REL:
-        shares = ", ".join(f"{step} {100 * share:.3g} %" for step, share in invented.items() if share)
-        raise MeshError(
-            f"repairs that change the volume by at most {100 * MOST_INVENTED_REL:g} %",
-            f"{100 * sum(invented.values()):.3g} % ({shares})",
-            "too much would be invented: scan again what is missing",
-            place=mesh.source,
-        )
+    shares = ", ".join(f"{step} {100 * share:.3g} %" for step, share in invented.items() if share)
+    must(
+        sum(invented.values()) <= MOST_INVENTED_REL,
+        f"repairs that change the volume by at most {100 * MOST_INVENTED_REL:g} %",
+        f"{100 * sum(invented.values()):.3g} % ({shares})",
+        "too much would be invented: scan again what is missing",
+        place=mesh.source,
+    )
     return state.doubted(*crossings(mesh.vertices, mesh.faces))

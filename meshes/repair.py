@@ -19,6 +19,7 @@ from meshes.mesh import (
     drop_unused,
     fan,
     manifold,
+    must,
     triangulated,
     unique_rows,
 )
@@ -79,13 +80,13 @@ def close_base(mesh: RawMesh) -> Repaired:
         return mesh, None
     points = mesh.vertices[rim]
     ragged, most = float(np.ptp(points[:, 2])), MOST_RAGGED * float(np.ptp(mesh.vertices[:, 2]))
-    if ragged > most:
-        raise MeshError(
-            f"an open base ragged by at most {most:.3g} m",
-            f"a rim that rises by {ragged:.3g} m",
-            "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
-            place=mesh.source,
-        )
+    must(
+        ragged <= most,
+        f"an open base ragged by at most {most:.3g} m",
+        f"a rim that rises by {ragged:.3g} m",
+        "cut the scan level above its ragged edge (MeshLab, Blender: Bisect) or set the up axis",
+        place=mesh.source,
+    )
     outline, noise_m = fit_outline(points[:, :2])
     floor = _base_level(mesh.vertices[:, 2], points[:, 2], noise_m)
     below = np.column_stack([outline, np.full(len(rim), floor)])
@@ -196,13 +197,13 @@ def open_branches(mesh: RawMesh, largest_share: float = MOST_BRANCHING) -> Repai
     count = int((edges.faces_at > 2).sum())
     if count == 0:
         return mesh, None
-    if count > max(3, largest_share * len(edges.faces_at)):
-        raise MeshError(
-            "edges with two faces each",
-            f"{count} of {len(edges.faces_at)} with more (non-manifold)",
-            "in MeshLab use Repair Non Manifold Edges, in Blender select Non Manifold and dissolve",
-            place=mesh.source,
-        )
+    must(
+        count <= max(3, largest_share * len(edges.faces_at)),
+        "edges with two faces each",
+        f"{count} of {len(edges.faces_at)} with more (non-manifold)",
+        "in MeshLab use Repair Non Manifold Edges, in Blender select Non Manifold and dissolve",
+        place=mesh.source,
+    )
     bad = np.unique(edges.face[branching])
     free = np.unique(edges.face[np.repeat(edges.faces_at == 1, edges.faces_at)])
     fins = np.intersect1d(bad, free)
@@ -267,13 +268,13 @@ def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, dict[str, int
     for volume, (vertices, faces) in sorted(zip(volumes, pieces, strict=True), key=lambda each: -abs(each[0])):
         piece = manifold(vertices, faces if volume >= 0.0 else faces[:, ::-1])
         inside = (piece ^ body).volume() / max(abs(volume), np.finfo(np.float64).tiny)
-        if volume < 0.0 and 0.5 < inside < 1.0 - OUTSIDE_REL:
-            raise MeshError(
-                "an inner shell inside the statue",
-                f"one that faces inward with {100.0 * (1.0 - inside):.3g} % of its volume outside",
-                "cut both shells where they meet, or turn its faces if it is a part of the body",
-                place=source,
-            )
+        must(
+            volume >= 0.0 or not 0.5 < inside < 1.0 - OUTSIDE_REL,
+            "an inner shell inside the statue",
+            f"one that faces inward with {100.0 * (1.0 - inside):.3g} % of its volume outside",
+            "cut both shells where they meet, or turn its faces if it is a part of the body",
+            place=source,
+        )
         hollow = volume < 0.0 and inside > 0.5
         buried = volume > 0.0 and inside > 1.0 - OUTSIDE_REL
         kinds.append("hollow" if hollow else "turned" if volume < 0.0 else "buried" if buried else "joined")

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes import footprint as base
-from meshes.mesh import Array, Faces, MeshError
+from meshes.mesh import Array, Faces, MeshError, must
 
 CONTACT_TOLERANCE_M = 1e-3
 """How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan
@@ -165,12 +165,12 @@ def solid_from_mesh(
     placed = np.ascontiguousarray(vertices_m - origin, dtype=np.float64)
     polygon = base.footprint(placed, contact_tolerance_m)
     _must_stand(polygon, contact_tolerance_m)
-    if not np.linalg.eigvalsh(properties.inertia_per_density_m5)[0] > 0.0:
-        raise MeshError(
-            "a surface with its faces outward throughout",
-            "a moment of inertia that is not positive: parts of it lie inside out",
-            "repair the surface (rockcheck mesh prepare does, with a log)",
-        )
+    must(
+        np.linalg.eigvalsh(properties.inertia_per_density_m5)[0] > 0.0,
+        "a surface with its faces outward throughout",
+        "a moment of inertia that is not positive: parts of it lie inside out",
+        "repair the surface (rockcheck mesh prepare does, with a log)",
+    )
     return Solid(
         vertices_m=placed,
         faces=np.array(faces, dtype=np.int64),
@@ -186,18 +186,18 @@ def solid_from_mesh(
 
 def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: float | None) -> tuple[float, float]:
     """The pair (density, mass) from the one that is given."""
-    if not volume_m3 > 0.0:
-        raise MeshError(
-            "a closed mesh with its faces outward",
-            f"a signed volume of {volume_m3:g} m³",
-            "turn the faces outward (rockcheck mesh prepare does, with a log)",
-        )
-    if (density_kg_m3 is None) == (mass_kg is None):
-        raise MeshError(
-            "either a density or a weighed mass",
-            f"density {density_kg_m3} and mass {mass_kg}",
-            "give one of them; the other follows from the volume",
-        )
+    must(
+        volume_m3 > 0.0,
+        "a closed mesh with its faces outward",
+        f"a signed volume of {volume_m3:g} m³",
+        "turn the faces outward (rockcheck mesh prepare does, with a log)",
+    )
+    must(
+        (density_kg_m3 is None) != (mass_kg is None),
+        "either a density or a weighed mass",
+        f"density {density_kg_m3} and mass {mass_kg}",
+        "give one of them; the other follows from the volume",
+    )
     density = density_kg_m3 if density_kg_m3 is not None else float(mass_kg or 0.0) / volume_m3
     if not (density > 0.0 and np.isfinite(density)):
         given = f"density {density_kg_m3}" if mass_kg is None else f"mass {mass_kg}"
@@ -208,13 +208,13 @@ def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: fl
 def _must_stand(polygon_m: Array, contact_tolerance_m: float) -> None:
     """Refuse a body whose centroid's vertical (the frame's origin) leaves the touching polygon."""
     margin = base.margin_m(polygon_m)
-    if margin <= 0.0:
-        raise MeshError(
-            "a statue that stands",
-            f"a centroid {-margin:.4g} m outside the polygon of its {len(polygon_m)} vertices that touch"
-            f" within {1000.0 * contact_tolerance_m:g} mm",
-            "check the up axis and the base plane, or give a larger contact tolerance",
-        )
+    must(
+        margin > 0.0,
+        "a statue that stands",
+        f"a centroid {-margin:.4g} m outside the polygon of its {len(polygon_m)} vertices that touch"
+        f" within {1000.0 * contact_tolerance_m:g} mm",
+        "check the up axis and the base plane, or give a larger contact tolerance",
+    )
 
 
 def write_glb(solid: Solid, path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from meshes import footprint as base
 from meshes.intake import closed_mesh
-from meshes.mesh import Array, Faces, MeshError, RawMesh, manifold
+from meshes.mesh import Array, Faces, MeshError, RawMesh, manifold, must
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 
 AGREES_REL = 5e-3
@@ -25,12 +25,12 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     centroid outside the base.
     """
     moments = np.linalg.eigvalsh(inertia_kg_m2)
-    if not (mass_kg > 0.0 and np.isfinite(mass_kg)) or moments[0] <= 0.0 or moments[0] + moments[1] < moments[2]:
-        raise MeshError(
-            "a positive mass and the inertia of a body",
-            f"{mass_kg:g} kg and principal moments {moments}",
-            "no moment may exceed the sum of the others",
-        )
+    must(
+        mass_kg > 0.0 and np.isfinite(mass_kg) and moments[0] > 0.0 and moments[0] + moments[1] >= moments[2],
+        "a positive mass and the inertia of a body",
+        f"{mass_kg:g} kg and principal moments {moments}",
+        "no moment may exceed the sum of the others",
+    )
     shift = np.array([centroid_m[0], centroid_m[1], 0.0])
     footprint = solid.footprint_m - shift
     if base.margin_m(footprint) <= 0.0:
@@ -129,16 +129,20 @@ def load_hollow(
     """
     around, shell = (closed_mesh(path, unit, up) for path in (outer, inner))
     volume, hollow = (mass_properties(mesh.vertices, mesh.faces).volume_m3 for mesh in (around, shell))
-    if hollow <= 0.0:
-        raise MeshError(
-            "an inner shell with its faces outward",
-            f"a volume of {hollow:.4g} m³",
-            "turn its faces (rockcheck mesh prepare does)",
-            place=str(inner),
-        )
+    must(
+        hollow > 0.0,
+        "an inner shell with its faces outward",
+        f"a volume of {hollow:.4g} m³",
+        "turn its faces (rockcheck mesh prepare does)",
+        place=str(inner),
+    )
     _must_be_inside(around, shell, hollow)
-    if (density_kg_m3 is None) == (mass_kg is None):
-        raise MeshError("either a density or a weighed mass", "both or neither", "give one of them")
+    must(
+        (density_kg_m3 is None) != (mass_kg is None),
+        "either a density or a weighed mass",
+        "both or neither",
+        "give one of them",
+    )
     density = density_kg_m3
     if mass_kg is not None:
         density = (mass_kg - inside_kg_m3 * hollow) / (volume - hollow)
@@ -157,10 +161,10 @@ def load_hollow(
 def _must_be_inside(around: RawMesh, shell: RawMesh, hollow_m3: float) -> None:
     """Refuse a shell of which more than a trace lies outside (exact difference of the two bodies)."""
     outside = (manifold(shell.vertices, shell.faces) - manifold(around.vertices, around.faces)).volume() / hollow_m3
-    if outside > OUTSIDE_REL:
-        raise MeshError(
-            "an inner shell inside the statue",
-            f"one with {100.0 * outside:.3g} % of its volume outside",
-            "both files must have the same origin, unit and axes",
-            place=shell.source,
-        )
+    must(
+        outside <= OUTSIDE_REL,
+        "an inner shell inside the statue",
+        f"one with {100.0 * outside:.3g} % of its volume outside",
+        "both files must have the same origin, unit and axes",
+        place=shell.source,
+    )
