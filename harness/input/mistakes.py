@@ -73,6 +73,12 @@ class Contradiction(ValueError):
         self.key, self.wanted, self.got = key, wanted, got
 
 
+def agree(holds: object, key: str, wanted: str, got: str) -> None:
+    """Raise `Contradiction` unless it holds."""
+    if not holds:
+        raise Contradiction(key, wanted, got)
+
+
 def mistakes_of(
     error: ValidationError,
     model: type[BaseModel],

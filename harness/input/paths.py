@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import JsonValue
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import must
 
 DATA_VARIABLE = "ROCKCHECK_DATA"
 _PREFIX = "${" + DATA_VARIABLE + "}"
@@ -33,16 +33,25 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
 
     Raises InputError (with `where` and `key`) where there is no such file.
     """
-    if file.startswith("$") and not file.startswith(_PREFIX + "/"):
-        raise InputError(Mistake(where, key, f'a path, of variables only "{_PREFIX}/…"', repr(file), "write it out"))
+    must(
+        not file.startswith("$") or file.startswith(_PREFIX + "/"),
+        where,
+        key,
+        f'a path, of variables only "{_PREFIX}/…"',
+        repr(file),
+        "write it out",
+    )
     path = _named(file, base_dir)
-    if not is_file(path):
-        advice = (
-            f"set {DATA_VARIABLE} to the folder of scans and records"
-            if file.startswith(_PREFIX)
-            else ("" if Path(file).is_absolute() else "a relative path starts at the scene's folder")
-        )
-        raise InputError(Mistake(where, key, "an existing file", str(path), advice))
+    must(
+        is_file(path),
+        where,
+        key,
+        "an existing file",
+        str(path),
+        f"set {DATA_VARIABLE} to the folder of scans and records"
+        if file.startswith(_PREFIX)
+        else ("" if Path(file).is_absolute() else "a relative path starts at the scene's folder"),
+    )
     return path.resolve()
 
 

@@ -21,7 +21,7 @@ from harness.input.mesh_statue import statue_from_mesh
 from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import InitialTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
-from harness.model.errors import InputError, Mistake, refuse
+from harness.model.errors import InputError, Mistake, must, refuse
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
@@ -58,9 +58,14 @@ def load_scene(path: Path | str, overrides: Overrides = ()) -> Scene:
     `overrides` replace keys before validation: `{"motion.x.amplitude_g": 0.4}`, or texts `KEY=VALUE` as on the command line;
     None removes a key. Raises `InputError` with every mistake found.
     """
-    if not isinstance(path, str | os.PathLike):
-        advice = "harness.scene(mapping) takes a scene's tables"
-        raise InputError(Mistake("load_scene", "path", "the path of a scene file", type(path).__name__, advice))
+    must(
+        isinstance(path, str | os.PathLike),
+        "load_scene",
+        "path",
+        "the path of a scene file",
+        type(path).__name__,
+        "harness.scene(mapping) takes a scene's tables",
+    )
     path = Path(path)
     model, content = tables.parse(tables.read(path), str(path), replacements(overrides))
     return resolve(model, path, content)
@@ -79,19 +84,28 @@ def scene(mapping: Mapping[str, object]) -> Scene:
 
     Files are looked for from the working directory. Raises `InputError` with every mistake found, as for a file.
     """
-    if not isinstance(mapping, Mapping):
-        advice = "harness.load_scene(path) reads a file"
-        wanted = "the tables of a scene as a mapping"
-        raise InputError(Mistake("scene", "mapping", wanted, type(mapping).__name__, advice))
+    must(
+        isinstance(mapping, Mapping),
+        "scene",
+        "mapping",
+        "the tables of a scene as a mapping",
+        type(mapping).__name__,
+        "harness.load_scene(path) reads a file",
+    )
     model, content = tables.checked(_from_here(cast(dict[str, JsonValue], plain(mapping))), str(UNNAMED))
     return resolve(model, None, content)
 
 
 def changed(scene: Scene, overrides: Overrides = (), keys: Mapping[str, object] = MappingProxyType({})) -> Scene:
     """A scene with keys of its tables replaced (`Scene.replace`). Raises `InputError`, also for one made of resolved parts."""
-    if not scene.given:
-        wanted = "a scene that was loaded, whose keys are known"
-        raise InputError(Mistake(scene.title, "overrides", wanted, "one made in Python", "use dataclasses.replace"))
+    must(
+        scene.given,
+        scene.title,
+        "overrides",
+        "a scene that was loaded, whose keys are known",
+        "one made in Python",
+        "use dataclasses.replace",
+    )
     asked = replacements(overrides, keys)
     model, content = tables.checked(copy.deepcopy(dict(scene.given)), str(scene.source or UNNAMED), asked)
     if scene.source is None and (content := _from_here(content)) != scene.given:
@@ -242,9 +256,13 @@ def _initial(table: InitialTable, statue: Statue, path: Path) -> Initial:
     turn = (w / norm, x / norm, y / norm, z / norm)
     pose = Pose(table.position_m, turn, table.velocity_m_s or still, table.angular_velocity_rad_s or still)
     lowest = table.position_m[2] + float(np.min(statue.outer_points_m @ pose.rotation[2]))
-    if lowest < -BELOW_M:
-        wanted = f"the whole body above the floor (z = 0): the centroid at least {-lowest:.6g} m higher"
-        raise InputError(Mistake(str(path), "initial.position_m", wanted, f"its lowest point at {lowest:.6g} m"))
+    must(
+        lowest >= -BELOW_M,
+        str(path),
+        "initial.position_m",
+        f"the whole body above the floor (z = 0): the centroid at least {-lowest:.6g} m higher",
+        f"its lowest point at {lowest:.6g} m",
+    )
     return Initial(pose=pose)
 
 
@@ -301,9 +319,7 @@ def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
     if height is None:
         height = 2.0 * height_c
         found.append(info("key_assumed", key="statue.height_m", value=height))
-    if height <= height_c:
-        wanted = f"more than centroid_height_m = {height_c:g}"
-        raise InputError(Mistake(str(path), "statue.height_m", wanted, f"{height:g}"))
+    must(height > height_c, str(path), "statue.height_m", f"more than centroid_height_m = {height_c:g}", f"{height:g}")
     depth = table.depth_m
     if depth is None:
         depth = left + right

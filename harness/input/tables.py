@@ -12,11 +12,11 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationError, model_validator
 
 from analytic.block import GRAVITY_M_S2
-from harness.input.mistakes import Contradiction, UserTable, mistakes_of
+from harness.input.mistakes import Contradiction, UserTable, agree, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
-from harness.model.errors import InputError, Mistake, refuse
+from harness.model.errors import InputError, Mistake, must, refuse
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]
@@ -103,12 +103,15 @@ class StatueTable(UserTable):
         if self.inertia_xyz_kg_m2 is None:
             return self
         x, y, z = self.inertia_xyz_kg_m2
-        if self.mesh is not None:
-            raise Contradiction("inertia_xyz_kg_m2", "no moments beside a mesh: it gives them all", "both")
+        agree(self.mesh is None, "inertia_xyz_kg_m2", "no moments beside a mesh: it gives them all", "both")
         if self.inertia_kg_m2 is not None and abs(y - self.inertia_kg_m2) > SAME_INERTIA * y:
             raise Contradiction("inertia_xyz_kg_m2", f"inertia_kg_m2 = {self.inertia_kg_m2:g} about y", f"{y:g}")
-        if 2.0 * max(x, y, z) > (x + y + z) * (1.0 + SAME_INERTIA):
-            raise Contradiction("inertia_xyz_kg_m2", "no moment above the sum of the other two", f"{x:g}, {y:g}, {z:g}")
+        agree(
+            2.0 * max(x, y, z) <= (x + y + z) * (1.0 + SAME_INERTIA),
+            "inertia_xyz_kg_m2",
+            "no moment above the sum of the other two",
+            f"{x:g}, {y:g}, {z:g}",
+        )
         return self
 
 
@@ -133,10 +136,12 @@ class ContactTable(UserTable):
 
     @model_validator(mode="after")
     def _ordered(self) -> ContactTable:
-        if self.floor_kinetic > self.floor_static:
-            raise Contradiction(
-                "floor_kinetic", f"at most floor_static = {self.floor_static:g}", f"{self.floor_kinetic:g}"
-            )
+        agree(
+            self.floor_kinetic <= self.floor_static,
+            "floor_kinetic",
+            f"at most floor_static = {self.floor_static:g}",
+            f"{self.floor_kinetic:g}",
+        )
         acts = self.floor_impact
         if not isinstance(acts, str) and not self.floor_kinetic <= acts <= self.floor_static:
             between = f"floor_kinetic = {self.floor_kinetic:g} to floor_static = {self.floor_static:g}"
@@ -175,8 +180,12 @@ class InitialTable(UserTable):
         if given and self.position_m is None:
             raise Contradiction("position_m", f"the centroid's place beside {given[0]}", "nothing")
         norm = 1.0 if self.quaternion_wxyz is None else math.hypot(*self.quaternion_wxyz)
-        if abs(norm - 1.0) > UNIT:
-            raise Contradiction("quaternion_wxyz", f"a unit quaternion (norm 1 to {UNIT:g})", f"one of norm {norm:.6g}")
+        agree(
+            abs(norm - 1.0) <= UNIT,
+            "quaternion_wxyz",
+            f"a unit quaternion (norm 1 to {UNIT:g})",
+            f"one of norm {norm:.6g}",
+        )
         return self
 
 
@@ -205,24 +214,42 @@ class SceneFile(UserTable):
 
     @model_validator(mode="after")
     def _whole(self) -> SceneFile:
-        if self.model.preset == "paper" and self.contact.restitution == "momentum":
-            raise Contradiction(
-                "contact.restitution", 'a number such as 0.875 with model.preset = "paper"', "'momentum'"
-            )
-        if self.output.dt_s > self.duration_s:
-            raise Contradiction("output.dt_s", f"at most duration_s = {self.duration_s:g}", f"{self.output.dt_s:g}")
-        if self.duration_s / self.output.dt_s > MAX_SAMPLES:
-            raise Contradiction(
-                "output.dt_s", f"a step that leaves at most {MAX_SAMPLES:.0e} samples", f"{self.output.dt_s:g}"
-            )
-        if self.initial.posed and self.pedestal is not None:
-            raise Contradiction(
-                "initial.position_m", "a body on the floor: no [pedestal] beside a pose in space", "both"
-            )
-        if self.initial.posed and self.wall is not None:
-            raise Contradiction("initial.position_m", "no [wall] beside a pose in space", "both")
-        if self.wall is not None and self.statue.mesh is None and self.statue.height_m is None:
-            raise Contradiction("statue.height_m", "a number beside a wall: what touches it is the top", "nothing")
+        agree(
+            self.model.preset != "paper" or self.contact.restitution != "momentum",
+            "contact.restitution",
+            'a number such as 0.875 with model.preset = "paper"',
+            "'momentum'",
+        )
+        agree(
+            self.output.dt_s <= self.duration_s,
+            "output.dt_s",
+            f"at most duration_s = {self.duration_s:g}",
+            f"{self.output.dt_s:g}",
+        )
+        agree(
+            self.duration_s / self.output.dt_s <= MAX_SAMPLES,
+            "output.dt_s",
+            f"a step that leaves at most {MAX_SAMPLES:.0e} samples",
+            f"{self.output.dt_s:g}",
+        )
+        agree(
+            not self.initial.posed or self.pedestal is None,
+            "initial.position_m",
+            "a body on the floor: no [pedestal] beside a pose in space",
+            "both",
+        )
+        agree(
+            not self.initial.posed or self.wall is None,
+            "initial.position_m",
+            "no [wall] beside a pose in space",
+            "both",
+        )
+        agree(
+            self.wall is None or self.statue.mesh is not None or self.statue.height_m is not None,
+            "statue.height_m",
+            "a number beside a wall: what touches it is the top",
+            "nothing",
+        )
         uncertain_inputs(self, self.uncertainty)
         return self
 
@@ -290,14 +317,18 @@ def _absent_numbers(statue: JsonValue, where: str) -> list[Mistake]:
 
 def read(path: Path) -> str:
     """The text of a scene file; raises `InputError` when it cannot be read."""
-    if path.suffix.lower() in SCANS:
-        advice = f"`rockcheck new {shlex.quote(str(path))} --motion RECORD` makes a scene of it"
-        raise InputError(Mistake(str(path), "", "a TOML file", "a scan", advice))
+    must(
+        path.suffix.lower() not in SCANS,
+        str(path),
+        "",
+        "a TOML file",
+        "a scan",
+        f"`rockcheck new {shlex.quote(str(path))} --motion RECORD` makes a scene of it",
+    )
     try:
         with path.open("rb") as stream:
             raw = stream.read(MAX_BYTES + 1)
-        if len(raw) > MAX_BYTES:
-            raise InputError(Mistake(str(path), "", f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one"))
+        must(len(raw) <= MAX_BYTES, str(path), "", f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one")
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         got = f"byte {error.start} that is none"

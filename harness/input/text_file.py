@@ -16,7 +16,7 @@ from typing import IO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, must
 
 MOST_BYTES: Final = 64 * 2**20
 """Largest text read, unpacked: three components of 20 minutes at 200 Hz with velocities and displacements take 17 MB."""
@@ -102,10 +102,8 @@ def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
     where, limit = str(path), f"{what} of at most {most / 2**20:.3g} MiB"
     try:
         status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise InputError(Mistake(where, "", f"{what} in a file", "something that is no file"))
-        if status.st_size > most:
-            raise InputError(Mistake(where, "", limit, f"{status.st_size / 2**20:.3g} MiB"))
+        must(stat.S_ISREG(status.st_mode), where, "", f"{what} in a file", "something that is no file")
+        must(status.st_size <= most, where, "", limit, f"{status.st_size / 2**20:.3g} MiB")
         raw = path.read_bytes()
     except OSError as error:
         raise InputError(Mistake(where, "", f"{what} that can be read", error.strerror or str(error))) from error
@@ -120,8 +118,7 @@ def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
     except (OSError, EOFError, RuntimeError, ValueError, zlib.error, zipfile.BadZipFile) as error:
         got = f"one that does not unpack ({error})"
         raise InputError(Mistake(where, "", "a whole gzip or ZIP file", got, "download it again")) from error
-    if len(raw) > most:
-        raise InputError(Mistake(where, "", limit, "more than that once unpacked", "cut it, or take another file"))
+    must(len(raw) <= most, where, "", limit, "more than that once unpacked", "cut it, or take another file")
     return raw
 
 
@@ -143,8 +140,7 @@ def _unpacked(raw: bytes, where: str) -> gzip.GzipFile | IO[bytes]:
 
 def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:
     """Text of UTF-8, of UTF-16 by its mark, where `latin` else of Latin-1; InputError for all else, an empty file too."""
-    if not raw.strip():
-        raise InputError(Mistake(where, "", what, "an empty file"))
+    must(raw.strip(), where, "", what, "an empty file")
     if raw.startswith(UTF16_MARKS):
         try:
             return raw.decode("utf-16")
@@ -152,8 +148,7 @@ def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:
             got = "UTF-16 that is cut off or damaged"
             raise InputError(Mistake(where, "", "a text file", got, "save it as UTF-8")) from error
     for mark, name in PACKED.items():
-        if raw.startswith(mark):
-            raise InputError(Mistake(where, "", "a text file", name, "unpack it first"))
+        must(not raw.startswith(mark), where, "", "a text file", name, "unpack it first")
     if b"\x00" in raw:
         # Every other byte of ASCII in UTF-16 is nought; other binary data has no such order.
         half = max(raw[:4096:2].count(0), raw[1:4096:2].count(0)) > 0.9 * len(raw[:4096]) / 2

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, Field
 
-from harness.input.mistakes import Contradiction, UserTable
+from harness.input.mistakes import Contradiction, UserTable, agree
 from harness.model.errors import nearest
 from harness.model.scene import Uncertain
 
@@ -108,11 +108,18 @@ def uncertain_inputs(model: BaseModel, spreads: Mapping[str, Distribution]) -> t
     inputs: list[Uncertain] = []
     for key, spread in spreads.items():
         before, other = [item.key for item in inputs], spread.correlated_with
-        if (other is None) != (spread.rho is None):
-            raise Contradiction(f'uncertainty."{key}"', "correlated_with and rho together", "one of them")
-        if other is not None and other not in before:
-            wanted = f"correlated_with an earlier key of the table ({', '.join(before) or 'this is the first'})"
-            raise Contradiction(f'uncertainty."{key}"', wanted, repr(other))
+        agree(
+            (other is None) == (spread.rho is None),
+            f'uncertainty."{key}"',
+            "correlated_with and rho together",
+            "one of them",
+        )
+        agree(
+            other is None or other in before,
+            f'uncertainty."{key}"',
+            f"correlated_with an earlier key of the table ({', '.join(before) or 'this is the first'})",
+            repr(other),
+        )
         if twice := [name for name in before if _moves(name) & _moves(key)]:
             raise Contradiction(f'uncertainty."{key}"', f"one key for each number: {twice[0]} moves it too", key)
         item = _uncertain(model, key, spread)
@@ -144,8 +151,9 @@ def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform 
         kind, width = given.kind, given.width
     else:
         kind, width = spread.kind, float(getattr(spread, WIDTHS[spread.kind]))
-    if kind == "lognormal" and value <= 0.0:
-        raise Contradiction(place, "a positive value for a lognormal distribution", f"{key} = {value:g}")
+    agree(
+        kind != "lognormal" or value > 0.0, place, "a positive value for a lognormal distribution", f"{key} = {value:g}"
+    )
     return Uncertain(key, kind, value, width)
 
 

@@ -78,6 +78,12 @@ class InputError(ValueError):
         return "\n".join(map(str, self.mistakes))
 
 
+def must(holds: object, where: str, key: str, wanted: str, got: str, advice: str = "") -> None:
+    """Raise `InputError` of this one mistake unless it holds."""
+    if not holds:
+        raise InputError(Mistake(where, key, wanted, got, advice))
+
+
 def refuse(mistakes: Collection[Mistake]) -> None:
     """Raise `InputError` of all these mistakes, where there is one."""
     if mistakes:

@@ -16,7 +16,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import BinaryIO, Final
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import must
 
 FRESH: Final = ".writing-"
 """What the names begin with of files that are not whole yet."""
@@ -62,12 +62,14 @@ def is_own(path: Path, sums: Collection[str] = ()) -> bool:
 
 def check_own(path: Path, sums: Collection[str] = (), option: str = "") -> None:
     """Raise `InputError` unless a file may be replaced (see `is_own`)."""
-    if not is_own(path, sums):
-        wanted, got = (
-            "a new file, or one that is as rockcheck wrote it",
-            f"{path}, which is another's, or was changed since",
-        )
-        raise InputError(Mistake(option or str(path), "", wanted, got, "move it away"))
+    must(
+        is_own(path, sums),
+        option or str(path),
+        "",
+        "a new file, or one that is as rockcheck wrote it",
+        f"{path}, which is another's, or was changed since",
+        "move it away",
+    )
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, must
 from harness.model.finding import Axes, Shown, new_axes
 
 Array = NDArray[np.float64]
@@ -246,18 +246,26 @@ class History(Shown):
         Raises `InputError` for fewer than two samples, lengths that differ, numbers that are not finite, times that do not rise.
         """
         times, theta = _numbers("t_s", t_s), _numbers("theta_rad", theta_rad)
-        if times.ndim != 1 or times.size < 2:
-            raise InputError(
-                Mistake("from_arrays", "t_s", "at least two times in one dimension", f"shape {times.shape}")
-            )
-        if not (np.diff(times) > 0.0).all():
-            raise InputError(Mistake("from_arrays", "t_s", "times that rise", "some that do not, or are no numbers"))
+        must(
+            times.ndim == 1 and times.size >= 2,
+            "from_arrays",
+            "t_s",
+            "at least two times in one dimension",
+            f"shape {times.shape}",
+        )
+        must(
+            (np.diff(times) > 0.0).all(), "from_arrays", "t_s", "times that rise", "some that do not, or are no numbers"
+        )
         slip = np.zeros(times.shape) if slip_m is None else _numbers("slip_m", slip_m)
         given = {"theta_rate_rad_s": (theta_rate_rad_s, theta), "slip_rate_m_s": (slip_rate_m_s, slip)}
         for name, values in (("theta_rad", theta), ("slip_m", slip)):
-            if values.shape != times.shape:
-                wanted = f"{times.size} numbers, one for each time"
-                raise InputError(Mistake("from_arrays", name, wanted, f"shape {values.shape}"))
+            must(
+                values.shape == times.shape,
+                "from_arrays",
+                name,
+                f"{times.size} numbers, one for each time",
+                f"shape {values.shape}",
+            )
         rates = {
             name: np.gradient(of, times, edge_order=2 if times.size > 2 else 1) if own is None else _numbers(name, own)
             for name, (own, of) in given.items()

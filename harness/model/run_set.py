@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, must
 from harness.model.finding import Axes, Shown, library, new_axes
 from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS
@@ -172,8 +172,7 @@ class RunSet(Shown):
 
     def _check(self, *names: str) -> None:
         for name in names:
-            if name not in self.table:
-                raise InputError(Mistake(self.title, name, f"a column: {', '.join(self.table)}", "none of this name"))
+            must(name in self.table, self.title, name, f"a column: {', '.join(self.table)}", "none of this name")
 
     def _distinct(self, key: str) -> dict[str, Any]:
         """The values of a column, each once: numbers by size, anything else in its order; a list is a value, too."""
@@ -185,8 +184,7 @@ class RunSet(Shown):
         """The keys of numbers that vary, at most two."""
         columns = {key: [*self._distinct(key).values()] for key in self.varied}
         numbers = [key for key, some in columns.items() if len(some) > 1 and all(type(v) in (int, float) for v in some)]
-        if not numbers:
-            raise InputError(Mistake(self.title, "vary", "a number that varies", ", ".join(columns) or "nothing"))
+        must(numbers, self.title, "vary", "a number that varies", ", ".join(columns) or "nothing")
         return numbers[:2]
 
 

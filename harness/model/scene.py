@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
 from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, must
 from harness.model.finding import Axes, Finding, Shown, new_axes
 from harness.model.history import Array
 from harness.model.run import OMITTED
@@ -393,16 +393,13 @@ class Scene(Shown):
         known of it. Raises `InputError` for samples that are no numbers, or fewer than two.
         """
         place = "with_motion"
-        if axis not in ("x", "y", "z"):
-            raise InputError(Mistake(place, "axis", "x, y or z", repr(axis)))
+        must(axis in ("x", "y", "z"), place, "axis", "x, y or z", repr(axis))
         try:
             samples = np.asarray(accel_m_s2, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise InputError(Mistake(place, "accel_m_s2", "an array of numbers", str(error))) from error
-        if not isinstance(dt_s, int | float) or not dt_s > 0.0:
-            raise InputError(Mistake(place, "dt_s", "a positive step", repr(dt_s)))
-        if samples.ndim != 1:
-            raise InputError(Mistake(place, "accel_m_s2", "an array of one dimension", f"one of shape {samples.shape}"))
+        must(isinstance(dt_s, int | float) and dt_s > 0.0, place, "dt_s", "a positive step", repr(dt_s))
+        must(samples.ndim == 1, place, "accel_m_s2", "an array of one dimension", f"one of shape {samples.shape}")
         wrong = np.flatnonzero(~np.isfinite(samples))
         if wrong.size:
             got = f"{samples[wrong[0]]} at sample {wrong[0]}"
@@ -477,6 +474,4 @@ class Scene(Shown):
 
 def must_be_scene(scene: object, caller: str) -> None:
     """Raise `InputError` for what is no scene, such as its file's path."""
-    if not isinstance(scene, Scene):
-        wanted = "a scene: harness.load_scene(path)"
-        raise InputError(Mistake(caller, "scene", wanted, type(scene).__name__))
+    must(isinstance(scene, Scene), caller, "scene", "a scene: harness.load_scene(path)", type(scene).__name__)

@@ -22,6 +22,7 @@ from harness.input.motions.spec import (
     SamplesSpec,
     SpectrumSpec,
 )
+from harness.model.errors import must
 from harness.model.finding import Finding, info
 
 if TYPE_CHECKING:
@@ -135,14 +136,22 @@ def _on_floor(ground: PreparedMotion, modes: tuple[Oscillator, ...], motion: Sce
     until = end + ring_down_s(modes)
     if duration_s is not None:
         until = min(until, duration_s) if end <= duration_s else duration_s
-    if not math.isfinite(until):
-        got = "a harmonic motion without end"
-        raise mistake(where, f"{key}.floor", "a motion that ends, or the scene's duration_s", got)
+    must(
+        math.isfinite(until),
+        where,
+        f"{key}.floor",
+        "a motion that ends, or the scene's duration_s",
+        "a harmonic motion without end",
+    )
     shortest_s = min(mode.period_s for mode in modes)
-    if until / shortest_s > MOST_PERIODS:
-        wanted = f"at least {until / MOST_PERIODS:.2g} s for {until:.4g} s of motion"
-        advice = "so stiff a mode moves with the ground: leave it out"
-        raise mistake(where, f"{key}.floor.period_s", wanted, f"{shortest_s:g}", advice)
+    must(
+        until / shortest_s <= MOST_PERIODS,
+        where,
+        f"{key}.floor.period_s",
+        f"at least {until / MOST_PERIODS:.2g} s for {until:.4g} s of motion",
+        f"{shortest_s:g}",
+        "so stiff a mode moves with the ground: leave it out",
+    )
     periods_s, dampings, shares = zip(*((mode.period_s, mode.damping, mode.share) for mode in modes), strict=True)
     moved = floor_motion(ground.excitation, modes, until)
     step = info("step_floor", to_s=until, periods_s=periods_s, dampings=dampings, shares=shares)

@@ -19,6 +19,7 @@ from harness.input.motions.recordfile import (
     mistake,
     velocity_m_s,
 )
+from harness.model.errors import must
 from harness.model.finding import Finding, caution, info
 
 LARGEST_PEAK_G: Final = 10.0
@@ -68,16 +69,19 @@ def check(record: RecordFile) -> tuple[Finding, ...]:
 
 def _channel(channel: Channel, record: RecordFile) -> Iterator[Finding]:
     accel = channel.accel_m_s2
-    if accel.size < 2:
-        raise mistake(record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
+    must(accel.size >= 2, record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
     least_s, most_s = STEPS_S
-    if not least_s <= channel.dt_s <= most_s:
-        raise mistake(record.path, channel.name, f"a step between {least_s:g} and {most_s:g} s", f"{channel.dt_s:g} s")
+    must(
+        least_s <= channel.dt_s <= most_s,
+        record.path,
+        channel.name,
+        f"a step between {least_s:g} and {most_s:g} s",
+        f"{channel.dt_s:g} s",
+    )
     if record.unit in UNITS_M_S2:
         refuse_fillers(accel / UNITS_M_S2[record.unit], record.path, lambda row: f"{channel.name}, sample {row + 1}")
     peak_g = float(np.abs(accel).max()) / STANDARD_GRAVITY_M_S2
-    if peak_g == 0.0:
-        raise mistake(record.path, channel.name, "a motion", "nothing but zeros")
+    must(peak_g != 0.0, record.path, channel.name, "a motion", "nothing but zeros")
     spikes = _spikes(channel, record)
     if peak_g > LARGEST_PEAK_G:
         likely = _likely_units(peak_g, record.unit)

@@ -13,7 +13,7 @@ from typing import Final, Literal
 import numpy as np
 
 from analytic.excitation import Excitation, SampledAcceleration
-from harness.input.mistakes import Contradiction
+from harness.input.mistakes import agree
 from harness.input.motions.oscillator import exact_step
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
@@ -25,6 +25,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, peak_velocity_m_s
+from harness.model.errors import must
 from harness.model.finding import Finding, caution, info
 
 # The building's filter: the acceleration of a floor from that of the ground, by one or several oscillators.
@@ -185,8 +186,7 @@ def clock_of(
     `lines` are the rows' lines, for messages. With `largest`, the place of the largest sample, the trace is film or the like:
     times printed alike are spread, gaps are allowed, and that sample stays on the clock.
     """
-    if t_s.size < 2:
-        raise mistake(where, "", "two samples or more", str(t_s.size), "the file holds no motion")
+    must(t_s.size >= 2, where, "", "two samples or more", str(t_s.size), "the file holds no motion")
     doubled: tuple[Finding, ...] = ()
     if largest is not None and (np.diff(t_s) == 0.0).any():
         t_s, doubled = _spread(t_s), (info("record_times_spread"),)
@@ -224,11 +224,14 @@ def clock_of(
             fine = (end_s - start_s) / max(round((end_s - start_s) / fine), 1)
         else:
             start_s += (float(t_s[largest]) - start_s) % fine
-    if (end_s - start_s) / fine > MOST_SAMPLES:
-        got = f"{steps.min():g} to {steps.max():g} s"
-        raise mistake(
-            where, "", f"steps that make at most {MOST_SAMPLES:.0e} samples when evened", got, "cut the record"
-        )
+    must(
+        (end_s - start_s) / fine <= MOST_SAMPLES,
+        where,
+        "",
+        f"steps that make at most {MOST_SAMPLES:.0e} samples when evened",
+        f"{steps.min():g} to {steps.max():g} s",
+        "cut the record",
+    )
     count = int((end_s - start_s) / fine + 1e-6) + 1
     at_s = float(t_s[np.argmax(steps)])
     least_s, most_s = float(steps.min()), float(steps.max())
@@ -294,9 +297,12 @@ def window(series: Series, start_s: float, end_s: float) -> Series:
     """The samples from start_s to end_s, the first becoming t = 0; Contradiction where fewer than two remain."""
     first = math.ceil(start_s / series.dt_s - 1e-9)
     last = min(math.floor(end_s / series.dt_s + 1e-9), series.accel_m_s2.size - 1)
-    if last - first < 1:
-        got = f"{start_s:g} to {end_s:g} s, where nothing is left"
-        raise Contradiction("window_s", f"a part of the {series.duration_s:g} s that the record lasts", got)
+    agree(
+        last - first >= 1,
+        "window_s",
+        f"a part of the {series.duration_s:g} s that the record lasts",
+        f"{start_s:g} to {end_s:g} s, where nothing is left",
+    )
     step = info("step_window", from_s=first * series.dt_s, to_s=last * series.dt_s)
     return series.changed(series.accel_m_s2[first : last + 1], step)
 
@@ -326,13 +332,19 @@ def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
     from scipy.signal import butter, sosfiltfilt
 
     nyquist = 0.5 / series.dt_s
-    if high_hz >= nyquist:
-        wanted = f"a high corner below {nyquist:g} Hz (its step is {series.dt_s:g} s)"
-        raise Contradiction("bandpass_hz", wanted, f"{high_hz:g} Hz")
+    agree(
+        high_hz < nyquist,
+        "bandpass_hz",
+        f"a high corner below {nyquist:g} Hz (its step is {series.dt_s:g} s)",
+        f"{high_hz:g} Hz",
+    )
     lowest = max(LEAST_PERIODS / series.duration_s, 2.0 * PAD_PERIODS / (MOST_SAMPLES * series.dt_s))
-    if low_hz < lowest:
-        wanted = f"a low corner of at least {lowest:.4g} Hz (the record lasts {series.duration_s:g} s)"
-        raise Contradiction("bandpass_hz", wanted, f"{low_hz:g} Hz")
+    agree(
+        low_hz >= lowest,
+        "bandpass_hz",
+        f"a low corner of at least {lowest:.4g} Hz (the record lasts {series.duration_s:g} s)",
+        f"{low_hz:g} Hz",
+    )
     pad = math.ceil(PAD_PERIODS / low_hz / series.dt_s)
     padded = np.pad(series.accel_m_s2, pad)
     filtered = sosfiltfilt(
@@ -348,13 +360,20 @@ def resample(series: Series, dt_s: float) -> Series:
     ratio = Fraction(series.dt_s / dt_s).limit_denominator(_RATIO_LIMIT)
     if ratio == 1:
         return series
-    if abs(float(ratio) * dt_s / series.dt_s - 1.0) > _DECAY:
-        raise Contradiction("resample_dt_s", f"a simple ratio of the record's step of {series.dt_s:g} s", f"{dt_s:g} s")
+    agree(
+        abs(float(ratio) * dt_s / series.dt_s - 1.0) <= _DECAY,
+        "resample_dt_s",
+        f"a simple ratio of the record's step of {series.dt_s:g} s",
+        f"{dt_s:g} s",
+    )
     if ratio > 1:
         count = math.floor((series.accel_m_s2.size - 1) * ratio + 1e-9) + 1
-        if count > MOST_SAMPLES:
-            wanted = f"a step that makes at most {MOST_SAMPLES:.0e} samples of {series.duration_s:g} s"
-            raise Contradiction("resample_dt_s", wanted, f"{dt_s:g} s")
+        agree(
+            count <= MOST_SAMPLES,
+            "resample_dt_s",
+            f"a step that makes at most {MOST_SAMPLES:.0e} samples of {series.duration_s:g} s",
+            f"{dt_s:g} s",
+        )
         t_s = np.arange(count) * dt_s
         accel = np.interp(t_s, series.t_s, series.accel_m_s2)
         whole = ratio.denominator == 1

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import SampledAcceleration
 from harness.input.text_file import FOREIGN, UTF16_MARKS, decoded, fortran
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, must
 from harness.model.finding import Finding
 
 # Directions of recorded channels, from the many ways in which networks write them.
@@ -309,16 +309,21 @@ def text_of(raw: bytes, where: str) -> str:
 def header_number(text: str, where: str, place: str, what: str) -> float:
     """The finite positive number that a header gives for `what`; InputError naming its `place` where it gives none."""
     value = _number(text) or 0.0
-    if not 0.0 < value < np.inf:
-        raise mistake(where, place, f"{what}, a positive number", repr(text.strip()), "the header is damaged")
+    must(0.0 < value < np.inf, where, place, f"{what}, a positive number", repr(text.strip()), "the header is damaged")
     return value
 
 
 def header_count(text: str, where: str, place: str, what: str) -> int:
     """The whole number of two or more that a header gives for `what`; InputError naming its `place` where it gives none."""
     value = header_number(text, where, place, what)
-    if value < 2.0 or value != int(value):
-        raise mistake(where, place, f"{what}, a whole number of 2 or more", repr(text.strip()), "the header is damaged")
+    must(
+        value >= 2.0 and value == int(value),
+        where,
+        place,
+        f"{what}, a whole number of 2 or more",
+        repr(text.strip()),
+        "the header is damaged",
+    )
     return int(value)
 
 
@@ -343,9 +348,14 @@ def fixed_width(
     values = _words(padded, count)
     if values is None:
         # A last line may be filled up with noughts; other numbers are the next block's, or of a line that is there twice.
-        if re.search("[1-9]", "".join(padded)[count * width :]):
-            advice = "a line is missing, or there twice: download the file again"
-            raise mistake(where, what, f"{count} numbers in {len(lines)} lines, as its header says", "more", advice)
+        must(
+            not re.search("[1-9]", "".join(padded)[count * width :]),
+            where,
+            what,
+            f"{count} numbers in {len(lines)} lines, as its header says",
+            "more",
+            "a line is missing, or there twice: download the file again",
+        )
         places = [(i, start) for i, line in enumerate(padded) for start in range(0, len(line), width)][:count]
         values = np.array([_field(padded[i], start, width, where, first_line + i) for i, start in places])
     return finite(first_of(values, count, where, what), where, what)
@@ -411,16 +421,20 @@ def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray
 
 def first_of(values: NDArray[np.float64], count: int, where: str, place: str) -> NDArray[np.float64]:
     """The first `count` of `values` (n,); InputError naming `place` where there are fewer."""
-    if values.size < count:
-        raise mistake(where, place, f"{count} numbers, as its header says", str(values.size), CUT_OFF)
+    must(values.size >= count, where, place, f"{count} numbers, as its header says", str(values.size), CUT_OFF)
     return values[:count]
 
 
 def check_rows(lines: Sequence[str], first: int, rows: int, where: str) -> None:
     """Raise InputError unless `rows` lines follow from lines[first] on."""
-    if len(lines) < first + rows:
-        got = f"{max(len(lines) - first, 0)} to the file's end"
-        raise mistake(where, f"line {first + 1}", f"{rows} lines of numbers", got, CUT_OFF)
+    must(
+        len(lines) >= first + rows,
+        where,
+        f"line {first + 1}",
+        f"{rows} lines of numbers",
+        f"{max(len(lines) - first, 0)} to the file's end",
+        CUT_OFF,
+    )
 
 
 def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) -> NDArray[np.float64]:
@@ -430,8 +444,7 @@ def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) ->
     if values.size != count * len(whole):
         for place, line in whole:
             had = free_format([line], where=where, first_line=place).size
-            if had != count:
-                raise mistake(where, f"line {place}", f"{count} numbers", str(had), "the file is damaged, or cut off")
+            must(had == count, where, f"line {place}", f"{count} numbers", str(had), "the file is damaged, or cut off")
     return values.reshape(-1, count)
 
 
@@ -473,8 +486,7 @@ class Header:
     def needed(self, pattern: str, what: str) -> tuple[str, str]:
         """As `find`; InputError, wanting `what`, where it catches nothing."""
         text, place = self.find(pattern)
-        if not text:
-            raise mistake(self.where, place, what, "none", "the header is damaged, or of another format")
+        must(text, self.where, place, what, "none", "the header is damaged, or of another format")
         return text, place
 
     def number(self, pattern: str, what: str) -> float:

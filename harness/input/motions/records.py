@@ -10,11 +10,12 @@ from typing import Final
 import numpy as np
 
 from harness.input import paths
-from harness.input.mistakes import Contradiction
+from harness.input.mistakes import Contradiction, agree
 from harness.input.motions import process
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, mistake, parse_orientation
 from harness.input.motions.spec import Source
+from harness.model.errors import must
 from harness.model.finding import Finding, info
 
 ROUNDING: Final = 1e-12
@@ -63,8 +64,12 @@ def _shaped(series: Series, source: Source) -> Series:
 
 def _moving(part: Series, whole: Series) -> Series:
     """What is left of a history. Raises `Contradiction` where that is at rest: a factor on it would be one on its rounding."""
-    if not np.abs(part.accel_m_s2).max() > ROUNDING * np.abs(whole.accel_m_s2).max():
-        raise Contradiction("file", "a record that moves where it is used", "nothing but zeros there")
+    agree(
+        np.abs(part.accel_m_s2).max() > ROUNDING * np.abs(whole.accel_m_s2).max(),
+        "file",
+        "a record that moves where it is used",
+        "nothing but zeros there",
+    )
     return part
 
 
@@ -101,8 +106,14 @@ def aligned(record: RecordFile) -> dict[str, Series]:
     last = min(channel.start_s + channel.dt_s * (channel.accel_m_s2.size - 1) for channel in channels)
     dt_s = min(channel.dt_s for channel in channels)
     count = math.floor((last - first) / dt_s + 1e-6) + 1
-    if count < _LEAST_SAMPLES:
-        raise mistake(record.path, "", "channels that overlap in time", "channels that do not", "read them one by one")
+    must(
+        count >= _LEAST_SAMPLES,
+        record.path,
+        "",
+        "channels that overlap in time",
+        "channels that do not",
+        "read them one by one",
+    )
     return {channel.name: _on_clock(channel, first, dt_s, count) for channel in channels}
 
 
@@ -136,9 +147,14 @@ def channel_named(record: RecordFile, column: str | None, *, where: str, key: st
     meant = parse_orientation(column)
     same = [channel for channel in record.channels if _same(channel, meant.azimuth_deg, meant.vertical)]
     matches = exact or same
-    if len(matches) != 1:
-        got = f"{column!r}, which fits {len(matches)} of them" if matches else repr(column)
-        raise mistake(where, f"{key}.column", f"one of {available}", got, f"these are the columns of {record.path}")
+    must(
+        len(matches) == 1,
+        where,
+        f"{key}.column",
+        f"one of {available}",
+        f"{column!r}, which fits {len(matches)} of them" if matches else repr(column),
+        f"these are the columns of {record.path}",
+    )
     return matches[0]
 
 
@@ -160,15 +176,25 @@ def crossing_deg(one: Channel, two: Channel) -> float:
 def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> Series:
     """The horizontal acceleration towards `azimuth_deg` (clockwise from north) from the record's two horizontals."""
     horizontals = record.horizontals
-    if len(horizontals) != 2:
-        got = f"{len(horizontals)} in {record.path}"
-        raise mistake(where, f"{key}.azimuth_deg", "two horizontal channels with known azimuths", got, "give column")
+    must(
+        len(horizontals) == 2,
+        where,
+        f"{key}.azimuth_deg",
+        "two horizontal channels with known azimuths",
+        f"{len(horizontals)} in {record.path}",
+        "give column",
+    )
     one, two = horizontals
     first, second = (math.radians(channel.orientation.azimuth_deg or 0.0) for channel in horizontals)
     crossing = crossing_deg(one, two)
-    if crossing < LEAST_CROSSING_DEG:
-        got = f"{one.name} and {two.name}, {crossing:g}° apart"
-        raise mistake(where, f"{key}.azimuth_deg", "horizontals at least 30° apart", got, "give column")
+    must(
+        crossing >= LEAST_CROSSING_DEG,
+        where,
+        f"{key}.azimuth_deg",
+        "horizontals at least 30° apart",
+        f"{one.name} and {two.name}, {crossing:g}° apart",
+        "give column",
+    )
     towards = math.radians(azimuth_deg)
     weights = np.array([math.sin(second - towards), math.sin(towards - first)]) / math.sin(second - first)
     series = aligned(record)

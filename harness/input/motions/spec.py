@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from analytic.excitation import PulseShape
-from harness.input.mistakes import Contradiction, UserTable
+from harness.input.mistakes import Contradiction, UserTable, agree
 from harness.input.motions.recordfile import Layout, unit_named
 
 
@@ -121,8 +121,7 @@ class Source(UserTable):
             raise Contradiction("azimuth_deg", wanted, f"{self.azimuth_deg:g}")
         if len(self.factors) > 1:
             raise Contradiction(self.factors[-1], "one factor: scale, pga_g or pgv_m_s", " and ".join(self.factors))
-        if self.scale == 0.0:
-            raise Contradiction("scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0")
+        agree(self.scale != 0.0, "scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0")
         if self.window_s is not None and not 0.0 <= self.window_s[0] < self.window_s[1]:
             raise Contradiction("window_s", "[from, to] with 0 <= from < to", str([*self.window_s]))
         if self.bandpass_hz is not None and not 0.0 < self.bandpass_hz[0] < self.bandpass_hz[1]:
@@ -209,10 +208,10 @@ class SpectrumSpec(Target, _Filtered):
     @model_validator(mode="after")
     def _one_origin(self) -> SpectrumSpec:
         if self.record is None:
-            if self.seed is None:
-                raise Contradiction("seed", "the seed of an artificial motion, or a record to start from", "neither")
-            if self.method is not None:
-                raise Contradiction("method", "no method without a record", repr(self.method))
+            agree(
+                self.seed is not None, "seed", "the seed of an artificial motion, or a record to start from", "neither"
+            )
+            agree(self.method is None, "method", "no method without a record", repr(self.method))
         elif self.seed is not None or self.duration_s is not None:
             key = "seed" if self.seed is not None else "duration_s"
             raise Contradiction(

@@ -13,6 +13,7 @@ from harness.input.motions.recordfile import (
     header_number,
     mistake,
 )
+from harness.model.errors import must
 from harness.model.finding import caution
 
 MARK = re.compile(r"PEER .*(?:\n.*){3}|(?:.*\n){3}.*\bNPTS\b.*\bDT\b", re.IGNORECASE)
@@ -40,9 +41,14 @@ def read(lines: list[str], where: str) -> RecordFile:
         raise mistake(where, "line 4", "NPTS= …, DT= … with a positive step", repr(lines[3].strip()))
     count = header_count(points[0], where, "line 4", "NPTS")
     dt_s = header_number(points[1], where, "line 4", "DT in seconds")
-    if not _ACCELERATION.search(lines[2]):
-        advice = "AT2 is always in g; VT2 and DT2 hold velocities and displacements"
-        raise mistake(where, "line 3", "an acceleration in units of g", repr(lines[2].strip()), advice)
+    must(
+        _ACCELERATION.search(lines[2]),
+        where,
+        "line 3",
+        "an acceleration in units of g",
+        repr(lines[2].strip()),
+        "AT2 is always in g; VT2 and DT2 hold velocities and displacements",
+    )
     every = free_format(lines[_HEADER_LINES:], where=where, first_line=_HEADER_LINES + 1)
     values = first_of(every, count, where, "accelerations")
     found = (caution("record_values_left_out", values=every.size, stated=count),) if every.size > count else ()

@@ -21,6 +21,7 @@ from harness.input.motions.recordfile import (
     parse_orientation,
     unit_named,
 )
+from harness.model.errors import must
 from harness.model.finding import Finding, caution, info
 
 MARK = re.compile(r"(?s:.*?)(?:Integer|Real)-header values follow on", re.IGNORECASE)
@@ -66,8 +67,14 @@ def read(lines: list[str], where: str) -> RecordFile:
             channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), found)
             channels.append(channel)
             numbers, text_from = {}, i + 1
-    if numbers or any("text lines" in line for line in lines[text_from:]):
-        raise mistake(where, f"line {len(lines)}", "a whole channel after its header", "the file's end", CUT_OFF)
+    must(
+        not numbers and not any("text lines" in line for line in lines[text_from:]),
+        where,
+        f"line {len(lines)}",
+        "a whole channel after its header",
+        "the file's end",
+        CUT_OFF,
+    )
     if not channels:
         got = next((line.strip() for line in lines if re.search(r"\bunits\s*=", line)), "none")
         wanted = "a block of accelerations, 'N acceleration pts, approx … units=…'"
@@ -91,8 +98,13 @@ def _channel(
         raise mistake(where, place, "accelerations in cm/s², g or counts", repr(written))
     form = fortran_format(data.group(5), where, place)
     integers, reals = (numbers.get(kind, np.empty(0)) for kind in ("integer", "real"))
-    if integers.size <= _DIRECTION or reals.size <= _PEAK_TIME or count < 2:
-        raise mistake(where, place, "whole integer and real headers before the data", "shorter ones")
+    must(
+        integers.size > _DIRECTION and reals.size > _PEAK_TIME and count >= 2,
+        where,
+        place,
+        "whole integer and real headers before the data",
+        "shorter ones",
+    )
     dt_s = _step_s([float(reals[at]) for at in _STEP], count, duration, where)
     values = block(lines, i + 1, count, form, where)
     name, orientation = _direction(int(integers[_DIRECTION]), head, found)
@@ -111,10 +123,14 @@ def _channel(
 def _in_g(counts: Floats, reals: Floats, where: str) -> tuple[Floats, float]:
     """Counts about their mean, and the mean, in g by the recorder's µV for a count and the sensor's V for g."""
     microvolts, sensitivity, gain = (float(reals[at]) for at in (_LEAST_UV, _VOLTS_PER_G, _GAIN))
-    if microvolts <= 0.0 or sensitivity <= 0.0:
-        got = f"{microvolts:g} µV and {sensitivity:g} V/g"
-        wanted = "the recorder's µV for a count and the sensor's V/g (real headers 22 and 42)"
-        raise mistake(where, "counts (V0)", wanted, got, "take the V1 or V2 file of this record")
+    must(
+        microvolts > 0.0 and sensitivity > 0.0,
+        where,
+        "counts (V0)",
+        "the recorder's µV for a count and the sensor's V/g (real headers 22 and 42)",
+        f"{microvolts:g} µV and {sensitivity:g} V/g",
+        "take the V1 or V2 file of this record",
+    )
     factor = microvolts * 1e-6 / sensitivity / (gain if gain > 0.0 else 1.0)
     mean = float(counts.mean())
     return (counts - mean) * factor, mean * factor

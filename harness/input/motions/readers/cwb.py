@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.process import clock_of
-from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake, parse_orientation
+from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, parse_orientation
+from harness.model.errors import must
 
 MARK = re.compile(r"(?=(?s:.{0,4000}?)#stationcode)(?s:.{0,4000}?)#(?:datasequence|amplitudeunit)", re.IGNORECASE)
 
@@ -17,14 +18,25 @@ def read(lines: list[str], where: str) -> RecordFile:
     unit = head.unit(r"^#\s*AmplitudeUnit:\s*([^\s,]+?)\.?(?:\s|$)", "'#AmplitudeUnit:' and gal")
     sequence, place = head.needed(r"^#\s*DataSequence:\s*(.*)", "'#DataSequence:' and the columns")
     named = re.findall(r"\b([UNE])\(([+-])\)", sequence.upper())
-    if not sequence.lower().startswith("time") or not named:
-        raise mistake(where, place, "'Time U(+); N(+); E(+)'", repr(sequence), "the header is damaged")
+    must(
+        sequence.lower().startswith("time") and named,
+        where,
+        place,
+        "'Time U(+); N(+); E(+)'",
+        repr(sequence),
+        "the header is damaged",
+    )
     values = columns(lines[first:], 1 + len(named), where=where, first_line=first + 1)
     clock = clock_of(values[:, 0], where)
     seconds = head.number(r"^#\s*RecordLength\(sec\):\s*([0-9.]+)", "'#RecordLength(sec):' and the length")
-    if clock.dt_s * clock.count < seconds - 1.0:
-        got = f"{clock.dt_s * clock.count:g} s"
-        raise mistake(where, "RecordLength(sec)", f"about {seconds:g} s", got, "the file is cut off")
+    must(
+        clock.dt_s * clock.count >= seconds - 1.0,
+        where,
+        "RecordLength(sec)",
+        f"about {seconds:g} s",
+        f"{clock.dt_s * clock.count:g} s",
+        "the file is cut off",
+    )
     channels = [
         Channel.read(
             name, parse_orientation(name if sense == "+" else {"U": "DOWN", "N": "S", "E": "W"}[name]), clock.dt_s,

@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Final
 
 from harness.input.motions.recordfile import UNITS_M_S2, Channel, Header, RecordFile, free_format, mistake
+from harness.model.errors import must
 
 MARK = re.compile(r"(?=EVENT[_ ]|NETWORK:)(?:.*\n)*?EVENT[_ ](?:NAME|ID):", re.IGNORECASE)
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
@@ -21,16 +22,22 @@ def read(lines: list[str], where: str) -> RecordFile:
     first = next((i for i, line in enumerate(lines) if line.strip() and not _KEY.match(line)), len(lines))
     head = Header(lines[:first], where)
     kind = _words(head, "DATA_TYPE") or "ACCELERATION"
-    if kind.upper() != "ACCELERATION":
-        raise mistake(where, "DATA_TYPE", "ACCELERATION", kind, "take the file whose name holds .ACC.")
+    must(
+        kind.upper() == "ACCELERATION", where, "DATA_TYPE", "ACCELERATION", kind, "take the file whose name holds .ACC."
+    )
     dt_s = head.number(_key("SAMPLING_INTERVAL_S"), "SAMPLING_INTERVAL_S and a step")
     count = head.count(_key("NDATA"), "NDATA and how many")
     stream = head.needed(_key("STREAM|COMPONENT|CHANNEL_CODE|CHANNEL"), "STREAM and a channel such as HNE")[0]
     unit = head.unit(_key("UNITS"), "UNITS of cm/s^2, m/s^2 or g")
     values = free_format(lines[first:], where=where, first_line=first + 1)
-    if values.size != count:
-        advice = "the file is cut off: download it again" if values.size < count else ""
-        raise mistake(where, "NDATA", f"{count} accelerations", str(values.size), advice)
+    must(
+        values.size == count,
+        where,
+        "NDATA",
+        f"{count} accelerations",
+        str(values.size),
+        "the file is cut off: download it again" if values.size < count else "",
+    )
     peak, _ = head.peak(_key(r"PGA_CM/S\^2"))
     peak_s, _ = head.peak(_key("TIME_PGA_S"))
     stated = None if peak is None else peak * UNITS_M_S2["cm/s2"] / UNITS_M_S2[unit]

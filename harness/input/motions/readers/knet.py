@@ -16,6 +16,7 @@ from harness.input.motions.recordfile import (
     header_number,
     mistake,
 )
+from harness.model.errors import must
 from harness.model.finding import info
 
 MARK = re.compile(r"\s*origin time(?s:.{0,2000}?)(?:scale factor|station code)", re.IGNORECASE)
@@ -42,12 +43,16 @@ def read(lines: list[str], where: str) -> RecordFile:
     gal, counts = (header_number(part, where, place, "a part of the scale factor") for part in match.groups())
     values = free_format(lines[first:], where=where, first_line=first + 1) * (gal / counts)
     code = head.needed(r"^Dir\.\s+(\S+)", "'Dir.' and N-S, E-W, U-D or 1 to 6")[0].upper()
-    if code not in _DIRECTIONS:
-        raise mistake(where, "Dir.", "N-S, E-W, U-D or 1 to 6", repr(code), "the header is damaged")
+    must(code in _DIRECTIONS, where, "Dir.", "N-S, E-W, U-D or 1 to 6", repr(code), "the header is damaged")
     seconds = head.number(r"^Duration Time\D*([0-9.]+)", "'Duration Time(s)' and the length")
-    if values.size < round(seconds / dt_s):
-        wanted = f"{round(seconds / dt_s)} numbers, as {seconds:g} s at {dt_s:g} s have"
-        raise mistake(where, "accelerations", wanted, str(values.size), "the file is cut off")
+    must(
+        values.size >= round(seconds / dt_s),
+        where,
+        "accelerations",
+        f"{round(seconds / dt_s)} numbers, as {seconds:g} s at {dt_s:g} s have",
+        str(values.size),
+        "the file is cut off",
+    )
     mean = float(values.mean())
     kik = code in _NAMES
     channel = Channel.read(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake
+from harness.model.errors import must
 
 MARK = re.compile(r"(?s:.{0,170}?)STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
@@ -19,11 +20,23 @@ def read(lines: list[str], where: str) -> RecordFile:
     head = Header(lines[:named], where)
     count = head.count(r"^NUMBER OF DATA\s*:(.*)", "'NUMBER OF DATA' and how many")
     dt_s = head.number(r"^SAMPLING INTERVAL\s*\((?i:sec)\)\s*:(.*)", "'SAMPLING INTERVAL (sec)' and a step")
-    if not head.words(r"PGA VALUES\s*\((gal)\)"):
-        raise mistake(where, "header", "'PGA VALUES (gal)', which says the unit", "none", "the header is damaged")
+    must(
+        head.words(r"PGA VALUES\s*\((gal)\)"),
+        where,
+        "header",
+        "'PGA VALUES (gal)', which says the unit",
+        "none",
+        "the header is damaged",
+    )
     values = columns(lines[named + 1 :], len(names), where=where, first_line=named + 2)
-    if len(values) != count:
-        raise mistake(where, "NUMBER OF DATA", f"{count} lines of numbers", str(len(values)), "the file is cut off")
+    must(
+        len(values) == count,
+        where,
+        "NUMBER OF DATA",
+        f"{count} lines of numbers",
+        str(len(values)),
+        "the file is cut off",
+    )
     channels = [
         Channel.read(
             name, None, dt_s, values[:, i], "cm/s2",

@@ -15,6 +15,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
+from harness.model.errors import must
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))
@@ -44,8 +45,14 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
             where, "unit", UNIT_NAMES, "none", "these files do not state it: say --motion-unit, or unit = in a scene"
         )
     names = [trace.id for trace in stream]
-    if len(set(names)) < len(names):
-        raise mistake(where, "", "one trace for each channel", f"{', '.join(names)}", "merge or cut the gaps in ObsPy")
+    must(
+        len(set(names)) == len(names),
+        where,
+        "",
+        "one trace for each channel",
+        f"{', '.join(names)}",
+        "merge or cut the gaps in ObsPy",
+    )
     channels = tuple(_channel(trace, where, unit) for trace in stream)
     first = stream[0].stats
     station = f"{first.network}.{first.station}.{first.location}"
@@ -55,12 +62,16 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
 
 def _channel(trace: Any, where: str, unit: str) -> Channel:
     name, stats = trace.stats.channel or trace.id, trace.stats
-    if np.issubdtype(trace.data.dtype, np.integer):
-        advice = "divide them by the sensitivity (ObsPy: remove_sensitivity), or take the processed file"
-        raise mistake(where, name, "accelerations", "a digitiser's counts", advice)
+    must(
+        not np.issubdtype(trace.data.dtype, np.integer),
+        where,
+        name,
+        "accelerations",
+        "a digitiser's counts",
+        "divide them by the sensitivity (ObsPy: remove_sensitivity), or take the processed file",
+    )
     values = np.asarray(trace.data, dtype=np.float64)
-    if not np.isfinite(values).all():
-        raise mistake(where, name, "finite numbers", "NaN or infinity", "cut the record or fill the gap")
+    must(np.isfinite(values).all(), where, name, "finite numbers", "NaN or infinity", "cut the record or fill the gap")
     orientation, sac = parse_orientation(name), stats.get("sac", {})
     if orientation == ChannelOrientation() and "cmpaz" in sac:
         orientation = ChannelOrientation(float(sac["cmpaz"]) % 360.0)

@@ -28,7 +28,7 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 from harness.input.text_file import fortran, numbers_at_once
-from harness.model.errors import InputError
+from harness.model.errors import InputError, must
 from harness.model.finding import Finding
 
 _LEAST_NUMBERS: Final = 16
@@ -114,17 +114,26 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
     """The channels of a text whose layout and unit the user gives; InputError naming what is missing, and the line at fault."""
     if unit is None:
         raise mistake(where, "unit", UNIT_NAMES, "none", "say --motion-unit, or unit = in a scene")
-    if (layout.dt_s is None) == (layout.time_column is None):
-        got = "neither" if layout.dt_s is None else "both"
-        raise mistake(where, "dt, time_column", "the step, or the column of times", got, "say --dt or --time-column")
+    must(
+        (layout.dt_s is None) != (layout.time_column is None),
+        where,
+        "dt, time_column",
+        "the step, or the column of times",
+        "neither" if layout.dt_s is None else "both",
+        "say --dt or --time-column",
+    )
     skip = layout.skip_lines or 0
     chosen = layout.columns not in (None, WHOLE)
     rows, places = _rows(text.splitlines(), skip, where, other=chosen)
     if layout.columns == WHOLE:
-        if layout.dt_s is None:
-            raise mistake(
-                where, "columns", "--dt beside --columns all", "a time column", "numbers that run on have none"
-            )
+        must(
+            layout.dt_s is not None,
+            where,
+            "columns",
+            "--dt beside --columns all",
+            "a time column",
+            "numbers that run on have none",
+        )
         named, table = {0: "1"}, np.concatenate(rows)[:, None]
     else:
         table = _even_rows(rows, places, where)
@@ -134,8 +143,14 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
     headers = _headers("\n".join(text.splitlines()[:skip]), table.shape[1])
     for column, name in named.items():
         stated = heading(headers[column])[1]
-        if stated not in (None, unit):
-            raise mistake(where, headers[column], f"the unit that the file states, {stated}", unit, "say that one")
+        must(
+            stated in (None, unit),
+            where,
+            headers[column],
+            f"the unit that the file states, {stated}",
+            unit,
+            "say that one",
+        )
         refuse_fillers(
             table[:, column],
             where,
@@ -146,8 +161,14 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
         said: tuple[Finding, ...] = ()
     else:
         times = table[:, layout.time_column - 1]
-        if np.isnan(times).any():
-            raise mistake(where, "time_column", "times in seconds", "dates, times of day or words", "say --dt instead")
+        must(
+            not np.isnan(times).any(),
+            where,
+            "time_column",
+            "times in seconds",
+            "dates, times of day or words",
+            "say --dt instead",
+        )
         clock = clock_of(times, where, tuple(places))
         table = np.column_stack([clock.on(table[:, column]) for column in range(table.shape[1])])
         dt_s, start_s, said = clock.dt_s, clock.start_s, clock.said
@@ -198,8 +219,13 @@ def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[
         if bulk is not None and bulk.size > 1:
             return list(bulk), [number for number, _ in used]
     rows = [_numbers(line, where, number, dates=other, words=other) for number, line in used]
-    if sum(row.size for row in rows) < 2:
-        raise mistake(where, "skip_lines", "numbers below the lines skipped", f"{len(lines)} lines in all")
+    must(
+        sum(row.size for row in rows) >= 2,
+        where,
+        "skip_lines",
+        "numbers below the lines skipped",
+        f"{len(lines)} lines in all",
+    )
     return rows, [number for number, _ in used]
 
 
@@ -215,19 +241,27 @@ def _even_rows(rows: list[Floats], places: list[int], where: str) -> Floats:
 def _named(layout: Layout, width: int, where: str) -> dict[int, str]:
     """The columns (from 0) that hold accelerations, with their names."""
     time = layout.time_column
-    if time is not None and not 1 <= time <= width:
-        raise mistake(where, "time_column", f"a column from 1 to {width}", str(time))
+    must(time is None or 1 <= time <= width, where, "time_column", f"a column from 1 to {width}", str(time))
     if layout.columns is None:
         return {column: str(column + 1) for column in range(width) if column + 1 != time}
     named: dict[int, str] = {}
     for part in layout.columns.split(","):
         number, _, name = part.strip().partition(":")
-        if not _PLACE.fullmatch(number.strip()) or not 1 <= int(number) <= width or int(number) == time:
-            wanted = f'columns from 1 to {width} but the times\', such as "2,3" or "2:N,3:E", or "{WHOLE}"'
-            raise mistake(where, "columns", wanted, repr(layout.columns))
+        must(
+            _PLACE.fullmatch(number.strip()) and 1 <= int(number) <= width and int(number) != time,
+            where,
+            "columns",
+            f'columns from 1 to {width} but the times\', such as "2,3" or "2:N,3:E", or "{WHOLE}"',
+            repr(layout.columns),
+        )
         named[int(number) - 1] = name.strip() or number.strip()
-    if len(set(named.values())) < len(layout.columns.split(",")):
-        raise mistake(where, "columns", "columns and names that differ", repr(layout.columns))
+    must(
+        len(set(named.values())) == len(layout.columns.split(",")),
+        where,
+        "columns",
+        "columns and names that differ",
+        repr(layout.columns),
+    )
     return named
 
 
@@ -261,13 +295,18 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
         layout = replace(layout, dt_s=steps[0])
     else:
         steps = [layout.dt_s, *steps] if layout.dt_s else []
-    if steps and max(steps) > (1.0 + _SAME) * min(steps):
-        raise mistake(where, "", "one step", " and ".join(f"{each:g} s" for each in dict.fromkeys(steps)), CONTRADICTS)
+    must(
+        not steps or max(steps) <= (1.0 + _SAME) * min(steps),
+        where,
+        "",
+        "one step",
+        " and ".join(f"{each:g} s" for each in dict.fromkeys(steps)),
+        CONTRADICTS,
+    )
     used = [] if samples.ndim == 1 or layout.columns == WHOLE else sorted(_named(layout, rows[0].size, ""))
     stated = {unit for column in used if (unit := heading(headers[column])[1])} or set(_units(head))
     unit, remark = (stated.pop(), "") if len(stated) == 1 else likely_unit(head, float(np.abs(samples).max()))
-    if stated:  # more than one
-        raise mistake(where, "", "one unit in all columns", " and ".join(sorted(stated)), "read them one by one")
+    must(not stated, where, "", "one unit in all columns", " and ".join(sorted(stated)), "read them one by one")
     if not unit:
         return ""
     record = read(

@@ -12,9 +12,9 @@ from harness.input.motions.recordfile import (
     fortran_format,
     header_count,
     header_number,
-    mistake,
 )
 from harness.input.text_file import fortran
+from harness.model.errors import must
 
 MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE)
 
@@ -22,10 +22,14 @@ MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE
 def read(lines: list[str], where: str) -> RecordFile:
     """All channels; InputError where the header or a column is incomplete."""
     rules = [i for i, line in enumerate(lines) if re.match(r"\s*-{5,}\+", line)]
-    if len(rules) < 2:
-        raise mistake(
-            where, "", "two ruled lines about the columns' names", f"{len(rules)} of them", "the file is cut off"
-        )
+    must(
+        len(rules) >= 2,
+        where,
+        "",
+        "two ruled lines about the columns' names",
+        f"{len(rules)} of them",
+        "the file is cut off",
+    )
     first = rules[1] + 1
     head = Header(lines[:first], where)
     oriented, _ = head.needed(r"^ORIENTACION C1-C6[^:]*:(.*)", "an orientation")
@@ -34,9 +38,13 @@ def read(lines: list[str], where: str) -> RecordFile:
     counts = _behind_slashes(head.needed(r"^NUM\. TOTAL DE MUESTRAS, C1-C6[^:]*:(.*)", "a number of samples")[0])
     peaks = _behind_slashes(head.words(r"^ACEL\. MAX\.?\s*\(Gal\)[^:]*:(.*)"))
     at = _behind_slashes(head.words(r"^ACEL\. MAX[^:]*EN LA MUESTRA[^:]*:(.*)"))
-    if len({len(each) for each in (names, steps, counts)}) > 1:
-        got = f"{len(names)}, {len(steps)} and {len(counts)}"
-        raise mistake(where, "header", "as many orientations, intervals and numbers of samples", got)
+    must(
+        len({len(each) for each in (names, steps, counts)}) <= 1,
+        where,
+        "header",
+        "as many orientations, intervals and numbers of samples",
+        f"{len(names)}, {len(steps)} and {len(counts)}",
+    )
     unit = head.unit(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "'UNIDADES DE LOS DATOS' and Gal (cm/s/s)")
     form, place = head.needed(r"^FORMATO DATOS[^:]*:(.*)", "'FORMATO DATOS' and a format such as 3F10.4")
     _, width = fortran_format(form, where, place)

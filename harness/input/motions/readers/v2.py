@@ -20,6 +20,7 @@ from harness.input.motions.recordfile import (
     mistake,
     unit_named,
 )
+from harness.model.errors import must
 
 MARK = re.compile(r"(?s:.{0,180}?)CORRECTED ACCELEROGRAM", re.IGNORECASE)
 """Of CSMIP's volume 2, too; SMC and GeoNet are asked first."""
@@ -38,17 +39,27 @@ _OLD_FORMAT = "(8F10.3)"
 def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a CSMIP V2 file; InputError where values are missing or the unit is unknown."""
     blocks = [(i, said) for i, line in enumerate(lines) if (said := _BLOCK.match(line))]
-    if not blocks:
-        wanted = "a line such as '3251 points of accel data equally spaced at .020 sec, in cm/sec2'"
-        raise mistake(where, "", wanted, "none", "the file is cut off, or holds no corrected accelerations")
+    must(
+        blocks,
+        where,
+        "",
+        "a line such as '3251 points of accel data equally spaced at .020 sec, in cm/sec2'",
+        "none",
+        "the file is cut off, or holds no corrected accelerations",
+    )
     parts = [(i, part) for i, line in enumerate(lines) if (part := _PART.match(line))]
     last, part = parts[-1]
     per_line, _ = fortran_format(part.group(2) or _OLD_FORMAT, where, f"line {last + 1}")
     rows = -(-int(part.group(1)) // per_line)
     check_rows(lines, last + 1, rows, where)
-    if len(parts) % len(blocks) or any("ACCELEROGRAM" in line.upper() for line in lines[last + 1 + rows :]):
-        got = f"{len(parts)} blocks of numbers in {len(blocks)} channels"
-        raise mistake(where, f"line {len(lines)}", "as many in each", got, CUT_OFF)
+    must(
+        not len(parts) % len(blocks) and not any("ACCELEROGRAM" in line.upper() for line in lines[last + 1 + rows :]),
+        where,
+        f"line {len(lines)}",
+        "as many in each",
+        f"{len(parts)} blocks of numbers in {len(blocks)} channels",
+        CUT_OFF,
+    )
     heads = [0, *(start + 1 for start, _ in blocks)]
     channels = [_channel(lines, head, *place, where) for head, place in zip(heads, blocks, strict=False)]
     facts = {"event": lines[2].strip(), "station": lines[6].strip() if len(lines) > 6 else ""}
@@ -71,8 +82,11 @@ def _channel(lines: list[str], head_from: int, start: int, said: re.Match[str], 
     name = head.words(r"CHAN\s+\d+:\s*(\S+)") or head.words(r"\bCOMP(?:ONENT)?\s*:?\s+(\S+)") or "1"
     peak = head.peak(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT}\s+\S+\s+AT\s+{_FLOAT}")
     largest = float(np.abs(values).max())
-    if not said.group(4) and abs(largest - abs(peak[0] or 0.0)) > STATED_PEAK_TOLERANCE * largest:
-        raise mistake(
-            where, place, f"accelerations in the unit of their peak, {peak[0]} {written}", f"a peak of {largest:g}"
-        )
+    must(
+        said.group(4) or abs(largest - abs(peak[0] or 0.0)) <= STATED_PEAK_TOLERANCE * largest,
+        where,
+        place,
+        f"accelerations in the unit of their peak, {peak[0]} {written}",
+        f"a peak of {largest:g}",
+    )
     return Channel.read(name, None, dt_s, values, unit, peak)
