@@ -212,18 +212,22 @@ def _odd_numbers(scene: Scene) -> Iterator[Finding]:
             yield caution("odd_friction", key=f"contact.{key}", friction=friction)
 
 
-def _beyond_base(scene: Scene) -> list[Finding]:
+def _beyond_base(scene: Scene) -> Iterator[Finding]:
     """What of a scan comes down before its balance and does not count as its base."""
     if scene.statue.solid is None or min((block := block_of(scene)).base_ends_rad) == math.inf:
-        return []
-    found = []
+        return
     for side, name in ((-1, "left"), (1, "right")):
         end, balance_rad = base_end(scene.statue, scene.pedestal, block, side), block.alpha_rad(side)
         if end.lean_rad < math.inf:
             tolerance_m = math.ceil(end.height_m / TOLERANCE_STEP_M) * TOLERANCE_STEP_M
-            values = {"height_m": end.height_m, "lean_rad": end.lean_rad, "balance_rad": balance_rad}
-            found.append(caution("part_beyond_base", side=name, tolerance_m=round(tolerance_m, 6), **values))
-    return found
+            yield caution(
+                "part_beyond_base",
+                side=name,
+                tolerance_m=round(tolerance_m, 6),
+                height_m=end.height_m,
+                lean_rad=end.lean_rad,
+                balance_rad=balance_rad,
+            )
 
 
 def check_wall(scene: Scene, path: Path) -> None:

@@ -128,13 +128,15 @@ def _unpacked(raw: bytes, where: str) -> gzip.GzipFile | IO[bytes]:
         return gzip.open(io.BytesIO(raw))
     archive = zipfile.ZipFile(io.BytesIO(raw))
     names = [name for name in archive.namelist() if not name.endswith("/") and not name.startswith("__MACOSX/")]
-    if len(names) != 1:
-        shown = ", ".join(ascii(name)[1:-1] for name in names[:4]) + (", …" if len(names) > 4 else "")
-        got, advice = (
-            f"{len(names)} files ({shown})",
-            "unpack it and name one of them: files of one record find each other",
-        )
-        raise InputError(Mistake(where, "", "a ZIP archive of one file", got, advice))
+    shown = ", ".join(ascii(name)[1:-1] for name in names[:4]) + (", …" if len(names) > 4 else "")
+    must(
+        len(names) == 1,
+        where,
+        "",
+        "a ZIP archive of one file",
+        f"{len(names)} files ({shown})",
+        "unpack it and name one of them: files of one record find each other",
+    )
     return archive.open(names[0])
 
 

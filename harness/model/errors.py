@@ -84,6 +84,13 @@ def must(holds: object, where: str, key: str, wanted: str, got: str, advice: str
         raise InputError(Mistake(where, key, wanted, got, advice))
 
 
+def must_have(value: T | None, where: str, key: str, wanted: str, got: str, advice: str = "") -> T:
+    """The value, which is not None; else raises `InputError` of this one mistake."""
+    if value is None:
+        raise InputError(Mistake(where, key, wanted, got, advice))
+    return value
+
+
 def refuse(mistakes: Collection[Mistake]) -> None:
     """Raise `InputError` of all these mistakes, where there is one."""
     if mistakes:

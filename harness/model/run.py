@@ -14,7 +14,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, ClassVar, Final, Literal, NamedTuple
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import must_have
 from harness.model.files import write_text
 from harness.model.finding import Axes, Finding, Shown
 from harness.model.history import History, Outcome
@@ -241,10 +241,8 @@ class Run(RunRow, Shown):
         return self._its_history().plot(ax, **{"label": self.engine, **style})
 
     def _its_history(self) -> History:
-        if self.history is None:
-            wanted = "a run with its history"
-            raise InputError(Mistake(f"run of {self.engine}", "history", wanted, self.message or "its outcome alone"))
-        return self.history
+        got = self.message or "its outcome alone"
+        return must_have(self.history, f"run of {self.engine}", "history", "a run with its history", got)
 
     def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *findings: Finding) -> Run:
         """The same run with its numerical uncertainty stated."""

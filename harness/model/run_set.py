@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import InputError, Mistake, must
+from harness.model.errors import must, must_have
 from harness.model.finding import Axes, Shown, library, new_axes
 from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS
@@ -117,11 +117,7 @@ class RunSet(Shown):
         >>> runs.history(0).theta_rad
         """
         kept = self.histories[place] if self.histories else None
-        if kept is None:
-            raise InputError(
-                Mistake(self.title, f"history of run {place}", "a run whose history was asked for", "none")
-            )
-        return kept
+        return must_have(kept, self.title, f"history of run {place}", "a run whose history was asked for", "none")
 
     def to_arrow(self) -> pyarrow.Table:
         """Its table as Arrow's. Raises `InputError` without pyarrow (the extra [parquet])."""

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
 from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from harness.model.errors import InputError, Mistake, must
+from harness.model.errors import InputError, Mistake, must, must_have
 from harness.model.finding import Axes, Finding, Shown, new_axes
 from harness.model.history import Array
 from harness.model.run import OMITTED
@@ -379,10 +379,10 @@ class Scene(Shown):
 
         Keywords have two underscores for each dot. Raises `InputError` for a key or value that makes no scene.
         """
-        if self._reader is None:
-            wanted = "a scene that was loaded, whose keys are known"
-            raise InputError(Mistake(self.title, "replace", wanted, "one made of parts", "use dataclasses.replace"))
-        return self._reader(self, overrides, keys)
+        wanted = "a scene that was loaded, whose keys are known"
+        advice = "use dataclasses.replace"
+        reader = must_have(self._reader, self.title, "replace", wanted, "one made of parts", advice)
+        return reader(self, overrides, keys)
 
     def with_motion(self, accel_m_s2: ArrayLike, dt_s: float, axis: str = "x") -> Scene:
         """The scene shaken along an axis by samples of an acceleration, m/s², every `dt_s` from t = 0, linear between them.

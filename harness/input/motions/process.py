@@ -303,8 +303,10 @@ def window(series: Series, start_s: float, end_s: float) -> Series:
         f"a part of the {series.duration_s:g} s that the record lasts",
         f"{start_s:g} to {end_s:g} s, where nothing is left",
     )
-    step = info("step_window", from_s=first * series.dt_s, to_s=last * series.dt_s)
-    return series.changed(series.accel_m_s2[first : last + 1], step)
+    return series.changed(
+        series.accel_m_s2[first : last + 1],
+        info("step_window", from_s=first * series.dt_s, to_s=last * series.dt_s),
+    )
 
 
 def baseline(series: Series, kind: Baseline) -> Series:
@@ -319,9 +321,16 @@ def baseline(series: Series, kind: Baseline) -> Series:
         accel = series.accel_m_s2 - fit(place)
     changed = np.asarray(accel, dtype=np.float64)
     (before_m_s, before_m), (after_m_s, after_m) = ends(series), ends(Series(series.dt_s, changed))
-    most = float(np.abs(changed - series.accel_m_s2).max())
-    remains = {"before_m_s": before_m_s, "before_m": before_m, "after_m_s": after_m_s, "after_m": after_m}
-    return series.changed(changed, info("step_baseline", kind=kind, most_m_s2=most, **remains))
+    step = info(
+        "step_baseline",
+        kind=kind,
+        most_m_s2=float(np.abs(changed - series.accel_m_s2).max()),
+        before_m_s=before_m_s,
+        before_m=before_m,
+        after_m_s=after_m_s,
+        after_m=after_m,
+    )
+    return series.changed(changed, step)
 
 
 def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
@@ -376,9 +385,8 @@ def resample(series: Series, dt_s: float) -> Series:
         )
         t_s = np.arange(count) * dt_s
         accel = np.interp(t_s, series.t_s, series.accel_m_s2)
-        whole = ratio.denominator == 1
-        step = info("step_resampled", how="whole" if whole else "cut", from_s=series.dt_s, to_s=dt_s)
-        return series.changed(accel, step, dt_s=dt_s)
+        how = "whole" if ratio.denominator == 1 else "cut"
+        return series.changed(accel, info("step_resampled", how=how, from_s=series.dt_s, to_s=dt_s), dt_s=dt_s)
     from scipy.signal import resample_poly
 
     low = np.asarray(resample_poly(series.accel_m_s2, ratio.numerator, ratio.denominator), dtype=np.float64)
@@ -391,8 +399,13 @@ def significant(series: Series, shares: tuple[float, float], joint: Floats) -> S
     build = arias_share(joint)
     first, last = (int(np.searchsorted(build, share)) for share in shares)
     last = min(max(last, first + 1), series.accel_m_s2.size - 1)
-    times = {"from_s": first * series.dt_s, "to_s": last * series.dt_s}
-    step = info("step_significant", from_share=shares[0], to_share=shares[1], **times)
+    step = info(
+        "step_significant",
+        from_share=shares[0],
+        to_share=shares[1],
+        from_s=first * series.dt_s,
+        to_s=last * series.dt_s,
+    )
     return series.changed(series.accel_m_s2[first : last + 1], step)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import SampledAcceleration
 from harness.input.text_file import FOREIGN, UTF16_MARKS, decoded, fortran
-from harness.model.errors import InputError, Mistake, must
+from harness.model.errors import InputError, Mistake, must, must_have
 from harness.model.finding import Finding
 
 # Directions of recorded channels, from the many ways in which networks write them.
@@ -502,10 +502,7 @@ class Header:
     def unit(self, pattern: str, what: str) -> str:
         """The unit of acceleration that `pattern` catches; InputError."""
         text, place = self.needed(pattern, what)
-        unit = unit_named(text)
-        if unit is None:
-            raise mistake(self.where, place, what, repr(text))
-        return unit
+        return must_have(unit_named(text), self.where, place, what, repr(text))
 
     def peak(self, pattern: str) -> tuple[float | None, float | None]:
         """The peak that `pattern` catches and, by its second group, its time; None where not a number, or before the start."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -29,6 +30,12 @@ LARGEST_M_S2: Final = 1e4
 LARGEST_SCALE: Final = 1e6
 LARGEST_M_S: Final = 1e3
 LONGEST_S: Final = 3600.0
+PAIRS: Final = (
+    ("window_s", 0.0, math.inf, "[from, to] with 0 <= from < to"),
+    ("bandpass_hz", math.ulp(0.0), math.inf, "[low, high] with 0 < low < high"),
+    ("significant", 0.0, 1.0, "[from, to], shares of the Arias intensity with 0 <= from < to <= 1"),
+)
+"""Keys of a source that hold two rising numbers, the least and the most that these may be, and what is wanted."""
 MOST_SAMPLES: Final = 2_000_000
 """Samples that a scene holds itself: more stand in a file."""
 
@@ -122,13 +129,9 @@ class Source(UserTable):
         if len(self.factors) > 1:
             raise Contradiction(self.factors[-1], "one factor: scale, pga_g or pgv_m_s", " and ".join(self.factors))
         agree(self.scale != 0.0, "scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0")
-        if self.window_s is not None and not 0.0 <= self.window_s[0] < self.window_s[1]:
-            raise Contradiction("window_s", "[from, to] with 0 <= from < to", str([*self.window_s]))
-        if self.bandpass_hz is not None and not 0.0 < self.bandpass_hz[0] < self.bandpass_hz[1]:
-            raise Contradiction("bandpass_hz", "[low, high] with 0 < low < high", str([*self.bandpass_hz]))
-        if self.significant is not None and not 0.0 <= self.significant[0] < self.significant[1] <= 1.0:
-            wanted = "[from, to], shares of the Arias intensity with 0 <= from < to <= 1"
-            raise Contradiction("significant", wanted, str([*self.significant]))
+        for key, least, most, wanted in PAIRS:
+            first, second = getattr(self, key) or (least, most)
+            agree(least <= first < second <= most, key, wanted, str([first, second]))
         return self
 
 

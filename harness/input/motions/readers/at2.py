@@ -11,9 +11,8 @@ from harness.input.motions.recordfile import (
     free_format,
     header_count,
     header_number,
-    mistake,
 )
-from harness.model.errors import must
+from harness.model.errors import must, must_have
 from harness.model.finding import caution
 
 MARK = re.compile(r"PEER .*(?:\n.*){3}|(?:.*\n){3}.*\bNPTS\b.*\bDT\b", re.IGNORECASE)
@@ -36,9 +35,9 @@ def _points(line: str) -> tuple[str, str] | None:
 
 def read(lines: list[str], where: str) -> RecordFile:
     """The one channel of an AT2 file; InputError where values are missing or are no accelerations in g."""
-    points = _points(lines[3])
-    if points is None:
-        raise mistake(where, "line 4", "NPTS= …, DT= … with a positive step", repr(lines[3].strip()))
+    points = must_have(
+        _points(lines[3]), where, "line 4", "NPTS= …, DT= … with a positive step", repr(lines[3].strip())
+    )
     count = header_count(points[0], where, "line 4", "NPTS")
     dt_s = header_number(points[1], where, "line 4", "DT in seconds")
     must(

@@ -21,7 +21,7 @@ from harness.input.motions.recordfile import (
     parse_orientation,
     unit_named,
 )
-from harness.model.errors import must
+from harness.model.errors import must, must_have
 from harness.model.finding import Finding, caution, info
 
 MARK = re.compile(r"(?s:.*?)(?:Integer|Real)-header values follow on", re.IGNORECASE)
@@ -93,9 +93,9 @@ def _channel(
     where, place = head.where, f"line {i + 1}"
     count, duration = int(data.group(1)), float(data.group(2))
     written, code = data.group(3), (data.group(4) or "").lstrip("0")
-    unit = _COUNTS if code == "50" or written.lower().startswith("count") else unit_named(written) or _CODES.get(code)
-    if unit is None:
-        raise mistake(where, place, "accelerations in cm/s², g or counts", repr(written))
+    counted = code == "50" or written.lower().startswith("count")
+    known = _COUNTS if counted else unit_named(written) or _CODES.get(code)
+    unit = must_have(known, where, place, "accelerations in cm/s², g or counts", repr(written))
     form = fortran_format(data.group(5), where, place)
     integers, reals = (numbers.get(kind, np.empty(0)) for kind in ("integer", "real"))
     must(
@@ -115,8 +115,8 @@ def _channel(
             caution("record_uncorrected", channel=name),
         ]
         return Channel.read(name, orientation, dt_s, values, "g"), unit
-    known = _UNKNOWN not in (reals[_PEAK], reals[_PEAK_TIME])
-    peak = (float(reals[_PEAK]), float(reals[_PEAK_TIME])) if known else (None, None)
+    stated = (float(reals[_PEAK]), float(reals[_PEAK_TIME]))
+    peak = (None, None) if _UNKNOWN in stated else stated
     return Channel.read(name, orientation, dt_s, values, unit, peak), unit
 
 

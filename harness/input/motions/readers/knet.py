@@ -14,9 +14,8 @@ from harness.input.motions.recordfile import (
     RecordFile,
     free_format,
     header_number,
-    mistake,
 )
-from harness.model.errors import must
+from harness.model.errors import must, must_have
 from harness.model.finding import info
 
 MARK = re.compile(r"\s*origin time(?s:.{0,2000}?)(?:scale factor|station code)", re.IGNORECASE)
@@ -37,9 +36,8 @@ def read(lines: list[str], where: str) -> RecordFile:
     head = Header(lines[:first], where)
     dt_s = 1.0 / head.number(r"^Sampling Freq\D*([0-9.]+)", "'Sampling Freq(Hz)' and the rate")
     scale, place = head.needed(r"^Scale Factor\s+(.*)", "'Scale Factor' and gal for a number of counts")
-    match = _SCALE.fullmatch(scale)
-    if match is None:
-        raise mistake(where, place, "a factor such as 3920(gal)/6182761", repr(scale), "the header is damaged")
+    factor = "a factor such as 3920(gal)/6182761"
+    match = must_have(_SCALE.fullmatch(scale), where, place, factor, repr(scale), "the header is damaged")
     gal, counts = (header_number(part, where, place, "a part of the scale factor") for part in match.groups())
     values = free_format(lines[first:], where=where, first_line=first + 1) * (gal / counts)
     code = head.needed(r"^Dir\.\s+(\S+)", "'Dir.' and N-S, E-W, U-D or 1 to 6")[0].upper()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, mistake
-from harness.model.errors import must
+from harness.input.motions.recordfile import Channel, Header, RecordFile, columns
+from harness.model.errors import must, must_have
 
 MARK = re.compile(r"(?s:.{0,170}?)STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
@@ -13,9 +13,14 @@ _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-
 
 def read(lines: list[str], where: str) -> RecordFile:
     """The three channels; InputError where the header or a column is incomplete."""
-    named = next((i for i, line in enumerate(lines) if _NAMES.match(line)), None)
-    if named is None:
-        raise mistake(where, "", "a line that names the columns, 'N-S E-W U-D'", "none", "the file is damaged")
+    named = must_have(
+        next((i for i, line in enumerate(lines) if _NAMES.match(line)), None),
+        where,
+        "",
+        "a line that names the columns, 'N-S E-W U-D'",
+        "none",
+        "the file is damaged",
+    )
     names = lines[named].upper().split()
     head = Header(lines[:named], where)
     count = head.count(r"^NUMBER OF DATA\s*:(.*)", "'NUMBER OF DATA' and how many")

@@ -15,7 +15,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
-from harness.model.errors import must
+from harness.model.errors import must, must_have
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))
@@ -40,10 +40,8 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
         # Of bytes it cannot tell apart it says where they stand in memory.
         got = f"{type(error).__name__}: {str(error).partition(': <')[0]}"
         raise mistake(where, "", "a whole miniSEED or SAC file", got) from error
-    if unit is None:
-        raise mistake(
-            where, "unit", UNIT_NAMES, "none", "these files do not state it: say --motion-unit, or unit = in a scene"
-        )
+    advice = "these files do not state it: say --motion-unit, or unit = in a scene"
+    unit = must_have(unit, where, "unit", UNIT_NAMES, "none", advice)
     names = [trace.id for trace in stream]
     must(
         len(set(names)) == len(names),

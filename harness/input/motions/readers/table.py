@@ -28,7 +28,7 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 from harness.input.text_file import fortran, numbers_at_once
-from harness.model.errors import InputError, must
+from harness.model.errors import InputError, must, must_have
 from harness.model.finding import Finding
 
 _LEAST_NUMBERS: Final = 16
@@ -112,8 +112,7 @@ def is_unit(cell: str) -> bool:
 
 def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFile:
     """The channels of a text whose layout and unit the user gives; InputError naming what is missing, and the line at fault."""
-    if unit is None:
-        raise mistake(where, "unit", UNIT_NAMES, "none", "say --motion-unit, or unit = in a scene")
+    unit = must_have(unit, where, "unit", UNIT_NAMES, "none", "say --motion-unit, or unit = in a scene")
     must(
         (layout.dt_s is None) != (layout.time_column is None),
         where,

@@ -17,10 +17,9 @@ from harness.input.motions.recordfile import (
     fortran_format,
     header_count,
     header_number,
-    mistake,
     unit_named,
 )
-from harness.model.errors import must
+from harness.model.errors import must, must_have
 
 MARK = re.compile(r"(?s:.{0,180}?)CORRECTED ACCELEROGRAM", re.IGNORECASE)
 """Of CSMIP's volume 2, too; SMC and GeoNet are asked first."""
@@ -74,9 +73,7 @@ def _channel(lines: list[str], head_from: int, start: int, said: re.Match[str], 
     head = Header([line for line in lines[head_from:start] if not line.startswith("/&")], where)
     # USC's lines need not name the unit: their peak does.
     written = said.group(4) or head.words(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT.replace('(', '(?:')}\s+(\S+?),?\s+AT\b")
-    unit = unit_named(written)
-    if unit is None:
-        raise mistake(where, place, "accelerations in cm/sec/sec or g", repr(written))
+    unit = must_have(unit_named(written), where, place, "accelerations in cm/sec/sec or g", repr(written))
     form = fortran_format(said.group(5) or _OLD_FORMAT, where, place)
     values = block(lines, start + 1, count, form, where)
     name = head.words(r"CHAN\s+\d+:\s*(\S+)") or head.words(r"\bCOMP(?:ONENT)?\s*:?\s+(\S+)") or "1"
