@@ -125,15 +125,15 @@ def read_mesh(path: str | Path) -> RawMesh:
     if file.suffix.lower() in (".glb", ".gltf"):
         must_be_readable(file)
     vertices, faces = _triangles(file)
-    if not np.isfinite(vertices).all():
-        bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
-        count = int((~np.isfinite(vertices).all(axis=1)).sum())
-        raise MeshError(
-            "finite coordinates",
-            f"NaN or infinite ones ({count} of {len(vertices)} vertices, the first is number {bad + 1})",
-            "remove them in the scanning software and export again",
-            place=str(file),
-        )
+    finite = np.isfinite(vertices).all(axis=1)
+    count, first = len(vertices) - int(finite.sum()), int(np.argmin(finite)) + 1
+    must(
+        count == 0,
+        "finite coordinates",
+        f"NaN or infinite ones ({count} of {len(vertices)} vertices, the first is number {first})",
+        "remove them in the scanning software and export again",
+        place=str(file),
+    )
     return weld(RawMesh(vertices, faces, str(file)))
 
 

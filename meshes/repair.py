@@ -140,15 +140,15 @@ def close_holes(mesh: RawMesh) -> Repaired:
     for rim in holes:
         points = mesh.vertices[rim]
         width = float(np.linalg.norm(np.ptp(points, axis=0)))
-        if width > widest_allowed:
-            middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
-            raise MeshError(
-                f"holes no wider than {widest_allowed:.3g} m",
-                f"one of {width:.3g} m around ({middle}) with {len(rim)} edges",
-                "too much would be invented: scan that part again, or close it in MeshLab (Filters,"
-                " Remeshing, Close Holes) or Blender (Fill, then sculpt)",
-                place=mesh.source,
-            )
+        middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
+        must(
+            width <= widest_allowed,
+            f"holes no wider than {widest_allowed:.3g} m",
+            f"one of {width:.3g} m around ({middle}) with {len(rim)} edges",
+            "too much would be invented: scan that part again, or close it in MeshLab (Filters,"
+            " Remeshing, Close Holes) or Blender (Fill, then sculpt)",
+            place=mesh.source,
+        )
         widest = max(widest, width)
         around = rim[::-1]
         vector = area_vector(mesh.vertices[around])

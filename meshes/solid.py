@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes import footprint as base
-from meshes.mesh import Array, Faces, MeshError, must
+from meshes.mesh import Array, Faces, must
 
 CONTACT_TOLERANCE_M = 1e-3
 """How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan
@@ -164,7 +164,14 @@ def solid_from_mesh(
     origin = np.array([properties.centroid_m[0], properties.centroid_m[1], vertices_m[:, 2].min()])
     placed = np.ascontiguousarray(vertices_m - origin, dtype=np.float64)
     polygon = base.footprint(placed, contact_tolerance_m)
-    _must_stand(polygon, contact_tolerance_m)
+    margin = base.margin_m(polygon)
+    must(
+        margin > 0.0,
+        "a statue that stands",
+        f"a centroid {-margin:.4g} m outside the polygon of its {len(polygon)} vertices that touch"
+        f" within {1000.0 * contact_tolerance_m:g} mm",
+        "check the up axis and the base plane, or give a larger contact tolerance",
+    )
     must(
         np.linalg.eigvalsh(properties.inertia_per_density_m5)[0] > 0.0,
         "a surface with its faces outward throughout",
@@ -199,22 +206,9 @@ def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: fl
         "give one of them; the other follows from the volume",
     )
     density = density_kg_m3 if density_kg_m3 is not None else float(mass_kg or 0.0) / volume_m3
-    if not (density > 0.0 and np.isfinite(density)):
-        given = f"density {density_kg_m3}" if mass_kg is None else f"mass {mass_kg}"
-        raise MeshError("a positive density or mass", given)
+    given = f"density {density_kg_m3}" if mass_kg is None else f"mass {mass_kg}"
+    must(density > 0.0 and np.isfinite(density), "a positive density or mass", given)
     return density, mass_kg if mass_kg is not None else density * volume_m3
-
-
-def _must_stand(polygon_m: Array, contact_tolerance_m: float) -> None:
-    """Refuse a body whose centroid's vertical (the frame's origin) leaves the touching polygon."""
-    margin = base.margin_m(polygon_m)
-    must(
-        margin > 0.0,
-        "a statue that stands",
-        f"a centroid {-margin:.4g} m outside the polygon of its {len(polygon_m)} vertices that touch"
-        f" within {1000.0 * contact_tolerance_m:g} mm",
-        "check the up axis and the base plane, or give a larger contact tolerance",
-    )
 
 
 def write_glb(solid: Solid, path: Path) -> None:

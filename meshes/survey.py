@@ -10,7 +10,7 @@ import numpy as np
 
 from meshes import footprint as base
 from meshes.intake import closed_mesh
-from meshes.mesh import Array, Faces, MeshError, RawMesh, manifold, must
+from meshes.mesh import Array, Faces, MeshError, manifold, must
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 
 AGREES_REL = 5e-3
@@ -33,9 +33,8 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     )
     shift = np.array([centroid_m[0], centroid_m[1], 0.0])
     footprint = solid.footprint_m - shift
-    if base.margin_m(footprint) <= 0.0:
-        beside = f"({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m"
-        raise MeshError("a centroid above the base", f"one at {beside}, beside it")
+    beside = f"one at ({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m, beside it"
+    must(base.margin_m(footprint) > 0.0, "a centroid above the base", beside)
     return replace(
         solid,
         vertices_m=solid.vertices_m - shift,
@@ -83,9 +82,11 @@ def adjusted(
     `centroid_rel` raises the centroid, `base_rel` widens every horizontal distance of the surface, `inertia_rel` grows the tensor
     about the centroid; mass is kept throughout. Raises MeshError for shares that leave nothing.
     """
-    if min(centroid_rel, base_rel, inertia_rel) <= -1.0:
-        got = f"{centroid_rel:g}, {base_rel:g}, {inertia_rel:g}"
-        raise MeshError("shares above -1 (nothing left)", f"{got} for centroid, base and inertia")
+    must(
+        min(centroid_rel, base_rel, inertia_rel) > -1.0,
+        "shares above -1 (nothing left)",
+        f"{centroid_rel:g}, {base_rel:g}, {inertia_rel:g} for centroid, base and inertia",
+    )
     inertia = (1.0 + inertia_rel) * solid.inertia_kg_m2
     if not products:
         inertia = np.diag(np.diag(inertia))
@@ -136,7 +137,14 @@ def load_hollow(
         "turn its faces (rockcheck mesh prepare does)",
         place=str(inner),
     )
-    _must_be_inside(around, shell, hollow)
+    outside = (manifold(shell.vertices, shell.faces) - manifold(around.vertices, around.faces)).volume() / hollow
+    must(
+        outside <= OUTSIDE_REL,
+        "an inner shell inside the statue",
+        f"one with {100.0 * outside:.3g} % of its volume outside",
+        "both files must have the same origin, unit and axes",
+        place=shell.source,
+    )
     must(
         (density_kg_m3 is None) != (mass_kg is None),
         "either a density or a weighed mass",
@@ -156,15 +164,3 @@ def load_hollow(
     shift = solid.vertices_m[0] - around.vertices[0]
     filled = with_core(solid, shell.vertices + shift, np.array(shell.faces), inside_kg_m3)
     return filled.rotated(azimuth_deg) if azimuth_deg else filled
-
-
-def _must_be_inside(around: RawMesh, shell: RawMesh, hollow_m3: float) -> None:
-    """Refuse a shell of which more than a trace lies outside (exact difference of the two bodies)."""
-    outside = (manifold(shell.vertices, shell.faces) - manifold(around.vertices, around.faces)).volume() / hollow_m3
-    must(
-        outside <= OUTSIDE_REL,
-        "an inner shell inside the statue",
-        f"one with {100.0 * outside:.3g} % of its volume outside",
-        "both files must have the same origin, unit and axes",
-        place=shell.source,
-    )

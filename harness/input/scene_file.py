@@ -291,12 +291,14 @@ def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedest
     pedestal = Pedestal(table.mass_kg, table.width_m, table.depth_m, table.height_m, table.offset_m)
     centre = statue.base_centre_m + pedestal.offset_m
     low, high = centre - 0.5 * pedestal.width_m, centre + 0.5 * pedestal.width_m
-    if low > -statue.corner_left_m + 1e-9 or high < statue.corner_right_m - 1e-9:
-        base = statue.corner_left_m + statue.corner_right_m
-        wanted = f"a pedestal under the whole base (width {base:.4g} m, with the offset)"
-        under = f"a base from {-statue.corner_left_m:.4g} to {statue.corner_right_m:.4g} m"
-        got = f"one from {low:.4g} to {high:.4g} m under {under}"
-        raise InputError(Mistake(str(path), "pedestal.width_m", wanted, got))
+    left, right = -statue.corner_left_m, statue.corner_right_m
+    must(
+        low <= left + 1e-9 and high >= right - 1e-9,
+        str(path),
+        "pedestal.width_m",
+        f"a pedestal under the whole base (width {right - left:.4g} m, with the offset)",
+        f"one from {low:.4g} to {high:.4g} m under a base from {left:.4g} to {right:.4g} m",
+    )
     return pedestal
 
 
