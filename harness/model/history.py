@@ -178,11 +178,12 @@ def _frozen(values: ArrayLike) -> Array:
     return array
 
 
-def _numbers(name: str, values: ArrayLike) -> Array:
+def numbers(values: ArrayLike, caller: str, name: str) -> Array:
+    """The values as an array. Raises `InputError` for what holds others than numbers."""
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(Mistake("from_arrays", name, "an array of numbers", str(error))) from error
+        raise InputError(Mistake(caller, name, "an array of numbers", str(error))) from error
 
 
 def history_file(engine: str) -> str:
@@ -245,7 +246,7 @@ class History(Shown):
 
         Raises `InputError` for fewer than two samples, lengths that differ, numbers that are not finite, times that do not rise.
         """
-        times, theta = _numbers("t_s", t_s), _numbers("theta_rad", theta_rad)
+        times, theta = numbers(t_s, "from_arrays", "t_s"), numbers(theta_rad, "from_arrays", "theta_rad")
         must(
             times.ndim == 1 and times.size >= 2,
             "from_arrays",
@@ -256,7 +257,7 @@ class History(Shown):
         must(
             (np.diff(times) > 0.0).all(), "from_arrays", "t_s", "times that rise", "some that do not, or are no numbers"
         )
-        slip = np.zeros(times.shape) if slip_m is None else _numbers("slip_m", slip_m)
+        slip = np.zeros(times.shape) if slip_m is None else numbers(slip_m, "from_arrays", "slip_m")
         given = {"theta_rate_rad_s": (theta_rate_rad_s, theta), "slip_rate_m_s": (slip_rate_m_s, slip)}
         for name, values in (("theta_rad", theta), ("slip_m", slip)):
             must(
@@ -267,7 +268,9 @@ class History(Shown):
                 f"shape {values.shape}",
             )
         rates = {
-            name: np.gradient(of, times, edge_order=2 if times.size > 2 else 1) if own is None else _numbers(name, own)
+            name: np.gradient(of, times, edge_order=2 if times.size > 2 else 1)
+            if own is None
+            else numbers(own, "from_arrays", name)
             for name, (own, of) in given.items()
         }
         try:

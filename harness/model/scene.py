@@ -18,7 +18,7 @@ from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.model.errors import InputError, Mistake, must, must_have
 from harness.model.finding import Axes, Finding, Shown, new_axes
-from harness.model.history import Array
+from harness.model.history import Array, numbers
 from harness.model.run import OMITTED
 
 if TYPE_CHECKING:
@@ -394,10 +394,7 @@ class Scene(Shown):
         """
         place = "with_motion"
         must(axis in ("x", "y", "z"), place, "axis", "x, y or z", repr(axis))
-        try:
-            samples = np.asarray(accel_m_s2, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise InputError(Mistake(place, "accel_m_s2", "an array of numbers", str(error))) from error
+        samples = numbers(accel_m_s2, place, "accel_m_s2")
         must(isinstance(dt_s, int | float) and dt_s > 0.0, place, "dt_s", "a positive step", repr(dt_s))
         must(samples.ndim == 1, place, "accel_m_s2", "an array of one dimension", f"one of shape {samples.shape}")
         wrong = np.flatnonzero(~np.isfinite(samples))
