@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.motions.process import clock_of
+from harness.input.motions.process import SampleClock, clock_of
 from harness.input.motions.recordfile import (
     Channel,
     ChannelOrientation,
@@ -18,7 +18,7 @@ from harness.input.motions.recordfile import (
     parse_orientation,
 )
 from harness.model.errors import must
-from harness.model.finding import Finding, caution
+from harness.model.finding import caution
 
 MARK = re.compile(r"[^\S\n]*[1-6]\s.*(?:ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR).*\n\*", re.IGNORECASE)
 """The first line is "2 CORRECTED ACCELEROGRAM", or another kind's, and the second begins with *."""
@@ -58,19 +58,17 @@ def read(lines: list[str], where: str) -> RecordFile:
     values = block(lines, first, count, _VALUES, where)
     head = Header(lines[:_TEXT_LINES], where)
     name = head.words(r"component\s*=\s*(\S+)") or str(int(ints[_AZIMUTH]))
-    dt_s, start_s = (0.0 if paired else 1.0 / rate), 0.0
-    said: tuple[Finding, ...] = ()
+    clock = SampleClock(0.0, 1.0 / rate, count)
     if paired:
         times, values = values[: count // 2 * 2].reshape(-1, 2).T
         clock = clock_of(times, where, largest=int(np.argmax(np.abs(values))))
-        dt_s, start_s, values = clock.dt_s, clock.start_s, clock.on(values)
-        said = clock.of(name)
-    channel = Channel.read(name, _direction(name, ints), dt_s, values, "cm/s2", _stated(reals, start_s), start_s)
+    peak, start_s = _stated(reals, clock.start_s), clock.start_s
+    channel = Channel.read(name, _direction(name, ints), clock.dt_s, clock.on(values), "cm/s2", peak, start_s)
     facts = {"event": lines[3].strip(), "station": head.words(r"station\s*=\s*(.*?)\s*component\s*=")}
     raw = () if kind == "2" else (caution("record_uncorrected"),)
     form = "USGS SMC" if kind == "2" else "USGS SMC, uncorrected"
     group = f"{facts['event']}|{facts['station']}"
-    return RecordFile(where, form, "cm/s2", (channel,), facts, group, (*raw, *said))
+    return RecordFile(where, form, "cm/s2", (channel,), facts, group, (*raw, *clock.of(name)))
 
 
 def _direction(name: str, ints: Floats) -> ChannelOrientation:

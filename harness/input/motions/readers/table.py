@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.motions.check import check, refuse_fillers
-from harness.input.motions.process import clock_of
+from harness.input.motions.process import SampleClock, clock_of
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
     UNIT_NAMES,
@@ -29,7 +29,6 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.text_file import fortran, numbers_at_once
 from harness.model.errors import InputError, must, must_have
-from harness.model.finding import Finding
 
 _LEAST_NUMBERS: Final = 16
 """Fewer numbers in a row of lines are a header's."""
@@ -155,10 +154,8 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
             where,
             lambda row, name=name: f"number {row + 1}" if layout.columns == WHOLE else f"line {places[row]}, {name}",  # type: ignore[misc]
         )
-    if layout.time_column is None:
-        dt_s, start_s = float(layout.dt_s or 0.0), 0.0
-        said: tuple[Finding, ...] = ()
-    else:
+    clock = SampleClock(0.0, float(layout.dt_s or 0.0), len(table))
+    if layout.time_column is not None:
         times = table[:, layout.time_column - 1]
         must(
             not np.isnan(times).any(),
@@ -169,13 +166,11 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
             "say --dt instead",
         )
         clock = clock_of(times, where, tuple(places))
-        table = np.column_stack([clock.on(table[:, column]) for column in range(table.shape[1])])
-        dt_s, start_s, said = clock.dt_s, clock.start_s, clock.said
     channels = [
-        Channel.read(name, _direction(name), dt_s, table[:, column], unit, start_s=start_s)
+        Channel.read(name, _direction(name), clock.dt_s, clock.on(table[:, column]), unit, start_s=clock.start_s)
         for column, name in named.items()
     ]
-    return RecordFile(where, "numbers as described", unit, tuple(channels), {}, findings=said)
+    return RecordFile(where, "numbers as described", unit, tuple(channels), {}, findings=clock.said)
 
 
 def _direction(name: str) -> ChannelOrientation:
