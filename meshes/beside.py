@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from meshes.mesh import Array, Doubt, Faces, RawMesh, area_vector, must, triangulated, weld
+from meshes.mesh import Array, Doubt, Faces, RawMesh, area_vector, require, triangulated, weld
 from meshes.processing_log import rims
 
 WALL_COVERS: Final = 0.7
@@ -249,7 +249,7 @@ def cut_below(mesh: RawMesh, height_m: float) -> RawMesh:
     from trimesh.intersections import slice_faces_plane
 
     low, size = float(mesh.vertices[:, 2].min()), float(np.ptp(mesh.vertices[:, 2]))
-    must(
+    require(
         0.0 < height_m < (1.0 - CUT_TRIES * NEAR_CUT) * size,
         f"a cut between the lowest and the highest point, {size:.4g} m above it",
         f"{height_m:g} m",

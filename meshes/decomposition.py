@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from meshes import coacd_alone, text_cache
 from meshes.collision import thinned
-from meshes.mesh import Array, MeshError, RawMesh, must
+from meshes.mesh import Array, MeshError, RawMesh, require
 from meshes.prepare import simplified
 from meshes.solid import Solid
 
@@ -77,14 +77,14 @@ def decompose(
     """
     from manifold3d import Manifold
 
-    must(0.01 <= concavity <= 1.0, "a concavity between 0.01 and 1", f"{concavity:g}")
+    require(0.01 <= concavity <= 1.0, "a concavity between 0.01 and 1", f"{concavity:g}")
     coarse = simplified(RawMesh(solid.vertices_m, solid.faces, "solid"), COARSE_FACES, solid.contact_tolerance_m)
     vertices, faces = (solid.vertices_m, solid.faces) if isinstance(coarse, dict) else (coarse.vertices, coarse.faces)
     raw = _searched(vertices, faces, (concavity, max_parts, seed))
     hull = Manifold.hull_points(np.array(solid.vertices_m))
     inside = [Manifold.hull_points(points) ^ hull for points in raw]
     points = [np.array(piece.to_mesh64().vert_properties[:, :3]) for piece in inside if not piece.is_empty()]
-    must(points, "convex parts of the statue", "an empty decomposition")
+    require(points, "convex parts of the statue", "an empty decomposition")
     return tuple(thinned(corners, max_vertices)[0] for corners in points)
 
 

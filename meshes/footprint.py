@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshes.mesh import Array, MeshError, must
+from meshes.mesh import Array, MeshError, require
 
 STRAIGHT_RAD: Final = 4e-12
 """Turns that rounding makes of a straight side: two facets that the model takes as level differ by less than half of it."""
@@ -56,7 +56,7 @@ def footprint(vertices_m: Array, tolerance_m: float) -> Array:
     Raises MeshError if they do not enclose an area.
     """
     low = vertices_m[vertices_m[:, 2] <= vertices_m[:, 2].min() + tolerance_m]
-    must(
+    require(
         len(low) >= 3,
         "a base of at least three touching vertices",
         f"{len(low)} within {1000.0 * tolerance_m:g} mm of the lowest point",

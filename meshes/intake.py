@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.mesh import Array, Faces, MeshError, RawMesh, must, weld
+from meshes.mesh import Array, Faces, MeshError, RawMesh, require, weld
 from meshes.orientation import turn_axis
 from meshes.processing_log import EdgeCount, by_part
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, mass_properties, solid_from_mesh, turn_about_z
@@ -44,7 +44,7 @@ def must_be_readable(file: Path) -> None:
         total, packed = _elements(document), _packed(document)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return
-    must(
+    require(
         not packed,
         "a glTF whose geometry is plain triangles",
         packed,
@@ -52,7 +52,7 @@ def must_be_readable(file: Path) -> None:
         " Draco and meshopt)",
         place=str(file),
     )
-    must(
+    require(
         total <= MOST_ELEMENTS,
         f"at most {MOST_ELEMENTS:,} vertices and indices in all nodes",
         f"{total:,}",
@@ -112,7 +112,7 @@ def read_mesh(path: str | Path) -> RawMesh:
     """The triangles of a PLY, OBJ, STL, GLB or GLTF file, all its parts in one; raises MeshError if it is not a
     usable mesh."""
     file = Path(path)
-    must(
+    require(
         file.suffix.lower() in FORMATS,
         f"one of {', '.join(FORMATS)}",
         str(file.suffix or "no suffix"),
@@ -127,7 +127,7 @@ def read_mesh(path: str | Path) -> RawMesh:
     vertices, faces = _triangles(file)
     finite = np.isfinite(vertices).all(axis=1)
     count, first = len(vertices) - int(finite.sum()), int(np.argmin(finite)) + 1
-    must(
+    require(
         count == 0,
         "finite coordinates",
         f"NaN or infinite ones ({count} of {len(vertices)} vertices, the first is number {first})",
@@ -148,8 +148,8 @@ def _must_be_there(file: Path) -> None:
         there = file.is_file()
     except OSError as error:
         raise MeshError("a mesh file", str(error.strerror), "check the path", place=str(file)) from error
-    must(there, "a mesh file", "none of that name", "check the path", place=str(file))
-    must(file.stat().st_size != 0, "a mesh", "an empty file", "export it again", place=str(file))
+    require(there, "a mesh file", "none of that name", "check the path", place=str(file))
+    require(file.stat().st_size != 0, "a mesh", "an empty file", "export it again", place=str(file))
 
 
 def _triangles(file: Path) -> tuple[Array, Faces]:
@@ -168,14 +168,14 @@ def _triangles(file: Path) -> tuple[Array, Faces]:
         raise MeshError(
             f"a {suffix} mesh", f"a file that does not parse ({_reason(error)})", "export it again", place=str(file)
         ) from error
-    must(
+    require(
         len(faces),
         "a surface of triangles",
         "no face (a point cloud?)",
         "mesh it first, for example by Poisson reconstruction",
         place=str(file),
     )
-    must(
+    require(
         faces.min() >= 0 and faces.max() < len(vertices),
         f"faces of vertices 0 to {len(vertices) - 1}",
         f"{int(faces.min())} to {int(faces.max())}",
@@ -217,7 +217,7 @@ def _must_resolve(vertices: NDArray[Any], faces: Faces, place: str) -> None:
         collapsed = float((vertices[faces] == vertices[np.roll(faces, 1, axis=1)]).all(axis=2).any(axis=1).mean())
         if collapsed < COLLAPSED and (offset < FAR * extent or len(vertices) < MANY):
             return
-    must(
+    require(
         step <= FINEST_SHARE * extent,
         f"coordinates that resolve a {1.0 / FINEST_SHARE:.0f}th of the body's {extent:.4g} units",
         f"coordinates that resolve only {step:.3g} units, at {offset:.7g} units from their origin",
@@ -248,7 +248,7 @@ def _must_be_stl(file: Path) -> None:
         head = stream.read(1024)
     count = int.from_bytes(head[80:84], "little")
     text = head.lstrip().startswith(b"solid") and b"facet" in head
-    must(
+    require(
         text or (len(head) >= 84 and size == 84 + 50 * count),
         "an STL",
         f"{size} bytes that are neither a binary one (84, and 50 for each triangle) nor one in text (solid … facet …)",
@@ -338,7 +338,7 @@ def _closed(path: Path, unit: str | float, up: str, _state: tuple[int, int]) -> 
 def must_be_closed(mesh: RawMesh) -> None:
     """Refuse a surface that does not bound a volume: open, inconsistently wound or branching edges."""
     count = EdgeCount.of(mesh.faces)
-    must(
+    require(
         count.closed,
         "a closed surface",
         f"{count.boundary} edges with one face, {count.branching} with more than two and {count.misoriented}"
@@ -356,7 +356,7 @@ def must_be_one(mesh: RawMesh) -> None:
     volumes = [mass_properties(mesh.vertices, shell).volume_m3 for shell in shells]
     bodies = sum(volume > 0.0 for volume in volumes)
     sizes = ", ".join(f"{volume:.3g} m³" for volume in sorted(volumes, reverse=True)[:4])
-    must(
+    require(
         bodies <= 1,
         "one body",
         f"{bodies} of {sizes}",
@@ -370,7 +370,7 @@ def must_have_thickness(mesh: RawMesh) -> None:
     """Refuse a flat sheet before anything is made of it."""
     extent = np.ptp(mesh.vertices, axis=0)
     flat = f"a flat sheet of {' × '.join(f'{each:.4g}' for each in extent)} units"
-    must(extent.min() >= 0.01 * extent.max(), "a body", flat, "scan it from all sides", place=mesh.source)
+    require(extent.min() >= 0.01 * extent.max(), "a body", flat, "scan it from all sides", place=mesh.source)
 
 
 def must_be_of_a_statue_s_size(mesh: RawMesh, unit: str | float | None) -> None:
@@ -385,4 +385,4 @@ def must_be_of_a_statue_s_size(mesh: RawMesh, unit: str | float | None) -> None:
 def must_have_size(size_m: float, got: str, place: str, most_m: float = TALLEST_M) -> None:
     """Refuse what is of no statue's size; `got` tells it."""
     wanted = f"a statue between {SHORTEST_M:g} and {TALLEST_M:g} m high"
-    must(SHORTEST_M <= size_m <= most_m, wanted, got, "check the unit the scan was exported in", place)
+    require(SHORTEST_M <= size_m <= most_m, wanted, got, "check the unit the scan was exported in", place)

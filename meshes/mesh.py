@@ -41,7 +41,7 @@ class MeshError(ValueError):
         return f"{self.place}: {text}" if self.place else text
 
 
-def must(holds: object, wanted: str, got: str, advice: str = "", place: str = "") -> None:
+def require(holds: object, wanted: str, got: str, advice: str = "", place: str = "") -> None:
     """Raise `MeshError` unless it holds."""
     if not holds:
         raise MeshError(wanted, got, advice, place)
@@ -125,11 +125,11 @@ def weld(mesh: RawMesh) -> RawMesh:
     """Coincident vertices (within 1e-9 of the extent: texture seams, STL corners) made one, degenerate and unused
     parts dropped."""
     extent = float(np.ptp(mesh.vertices, axis=0).max())
-    must(extent != 0.0, "a surface", "all vertices in one place", "export it again", place=mesh.source)
+    require(extent != 0.0, "a surface", "all vertices in one place", "export it again", place=mesh.source)
     keys = np.round((mesh.vertices - mesh.vertices.min(axis=0)) / (1e-9 * extent)).astype(np.int64)
     first, number = unique_rows(keys)
     faces = first[number][mesh.faces]
     proper = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    must(proper.any(), "a surface", "only faces without an area", "export it again", place=mesh.source)
+    require(proper.any(), "a surface", "only faces without an area", "export it again", place=mesh.source)
     vertices, faces = drop_unused(mesh.vertices, faces[proper])
     return RawMesh(vertices, faces, mesh.source)

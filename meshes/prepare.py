@@ -18,7 +18,7 @@ from meshes.intake import (
     read_mesh,
     unit_length_m,
 )
-from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, must, unique_rows, weld
+from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, require, unique_rows, weld
 from meshes.orientation import Orientation, find_orientation, turn_axis
 from meshes.processing_log import Change, EdgeCount, ProcessingLog
 from meshes.repair import close_pinches, open_branches
@@ -237,7 +237,7 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
     """The mesh in metres, from the unit, the true height, or the unit that the format fixes."""
     height = float(np.ptp(state.mesh.vertices[:, 2]))
-    must(
+    require(
         wanted.unit is None or wanted.height_m is None,
         "the unit or the true height",
         "both",
@@ -245,7 +245,7 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
         place=state.mesh.source,
     )
     if wanted.height_m is not None:
-        must(
+        require(
             np.isfinite(wanted.height_m) and wanted.height_m > 0.0,
             "a positive height in metres",
             str(wanted.height_m),
@@ -314,7 +314,7 @@ def _checked(state: Prepared) -> Prepared:
     """What is still open or was changed too much is refused; where it crosses itself is said."""
     mesh, log = state.mesh, state.log
     count = EdgeCount.of(mesh.faces)
-    must(
+    require(
         count.closed,
         "a closed surface after repair",
         f"{count.boundary} open, {count.branching} branching and {count.misoriented} misoriented edges",
@@ -323,7 +323,7 @@ def _checked(state: Prepared) -> Prepared:
     )
     invented = log.invented_rel
     shares = ", ".join(f"{step} {100 * share:.3g} %" for step, share in invented.items() if share)
-    must(
+    require(
         sum(invented.values()) <= MOST_INVENTED_REL,
         f"repairs that change the volume by at most {100 * MOST_INVENTED_REL:g} %",
         f"{100 * sum(invented.values()):.3g} % ({shares})",

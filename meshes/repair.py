@@ -19,7 +19,7 @@ from meshes.mesh import (
     drop_unused,
     fan,
     manifold,
-    must,
+    require,
     triangulated,
     unique_rows,
 )
@@ -80,7 +80,7 @@ def close_base(mesh: RawMesh) -> Repaired:
         return mesh, None
     points = mesh.vertices[rim]
     ragged, most = float(np.ptp(points[:, 2])), MOST_RAGGED * float(np.ptp(mesh.vertices[:, 2]))
-    must(
+    require(
         ragged <= most,
         f"an open base ragged by at most {most:.3g} m",
         f"a rim that rises by {ragged:.3g} m",
@@ -141,7 +141,7 @@ def close_holes(mesh: RawMesh) -> Repaired:
         points = mesh.vertices[rim]
         width = float(np.linalg.norm(np.ptp(points, axis=0)))
         middle = ", ".join(f"{value:.3g}" for value in points.mean(axis=0))
-        must(
+        require(
             width <= widest_allowed,
             f"holes no wider than {widest_allowed:.3g} m",
             f"one of {width:.3g} m around ({middle}) with {len(rim)} edges",
@@ -197,7 +197,7 @@ def open_branches(mesh: RawMesh, largest_share: float = MOST_BRANCHING) -> Repai
     count = int((edges.faces_at > 2).sum())
     if count == 0:
         return mesh, None
-    must(
+    require(
         count <= max(3, largest_share * len(edges.faces_at)),
         "edges with two faces each",
         f"{count} of {len(edges.faces_at)} with more (non-manifold)",
@@ -268,7 +268,7 @@ def _assembled(pieces: Sequence[Part], source: str) -> tuple[Part, dict[str, int
     for volume, (vertices, faces) in sorted(zip(volumes, pieces, strict=True), key=lambda each: -abs(each[0])):
         piece = manifold(vertices, faces if volume >= 0.0 else faces[:, ::-1])
         inside = (piece ^ body).volume() / max(abs(volume), np.finfo(np.float64).tiny)
-        must(
+        require(
             volume >= 0.0 or not 0.5 < inside < 1.0 - OUTSIDE_REL,
             "an inner shell inside the statue",
             f"one that faces inward with {100.0 * (1.0 - inside):.3g} % of its volume outside",

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from meshes import footprint as base
-from meshes.mesh import Array, Faces, must
+from meshes.mesh import Array, Faces, require
 from meshes.processing_log import Edges
 from meshes.solid import Solid
 from meshes.survey import with_mass
@@ -19,7 +19,7 @@ def ragged(solid: Solid, depth_m: float, *, spacing_m: float, seed: int) -> Soli
     Heights are uniform, drawn from the seed; mass, centroid and inertia are kept: what changes is where it touches. Raises
     MeshError for a depth beyond the contact tolerance, or a base that no longer carries the statue.
     """
-    must(
+    require(
         0.0 < depth_m <= solid.contact_tolerance_m and spacing_m > 0.0,
         f"a depth up to the contact tolerance of {solid.contact_tolerance_m:g} m and a positive spacing",
         f"{depth_m:g} m and {spacing_m:g} m",

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes import footprint as base
-from meshes.mesh import Array, Faces, must
+from meshes.mesh import Array, Faces, require
 
 CONTACT_TOLERANCE_M = 1e-3
 """How far above the base plane a vertex still counts as touching: the flatness that a good photogrammetric scan
@@ -165,14 +165,14 @@ def solid_from_mesh(
     placed = np.ascontiguousarray(vertices_m - origin, dtype=np.float64)
     polygon = base.footprint(placed, contact_tolerance_m)
     margin = base.margin_m(polygon)
-    must(
+    require(
         margin > 0.0,
         "a statue that stands",
         f"a centroid {-margin:.4g} m outside the polygon of its {len(polygon)} vertices that touch"
         f" within {1000.0 * contact_tolerance_m:g} mm",
         "check the up axis and the base plane, or give a larger contact tolerance",
     )
-    must(
+    require(
         np.linalg.eigvalsh(properties.inertia_per_density_m5)[0] > 0.0,
         "a surface with its faces outward throughout",
         "a moment of inertia that is not positive: parts of it lie inside out",
@@ -193,13 +193,13 @@ def solid_from_mesh(
 
 def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: float | None) -> tuple[float, float]:
     """The pair (density, mass) from the one that is given."""
-    must(
+    require(
         volume_m3 > 0.0,
         "a closed mesh with its faces outward",
         f"a signed volume of {volume_m3:g} m³",
         "turn the faces outward (rockcheck mesh prepare does, with a log)",
     )
-    must(
+    require(
         (density_kg_m3 is None) != (mass_kg is None),
         "either a density or a weighed mass",
         f"density {density_kg_m3} and mass {mass_kg}",
@@ -207,7 +207,7 @@ def _density_and_mass(volume_m3: float, density_kg_m3: float | None, mass_kg: fl
     )
     density = density_kg_m3 if density_kg_m3 is not None else float(mass_kg or 0.0) / volume_m3
     given = f"density {density_kg_m3}" if mass_kg is None else f"mass {mass_kg}"
-    must(density > 0.0 and np.isfinite(density), "a positive density or mass", given)
+    require(density > 0.0 and np.isfinite(density), "a positive density or mass", given)
     return density, mass_kg if mass_kg is not None else density * volume_m3
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from meshes import footprint as base
 from meshes.intake import closed_mesh
-from meshes.mesh import Array, Faces, MeshError, manifold, must
+from meshes.mesh import Array, Faces, MeshError, manifold, require
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 
 AGREES_REL = 5e-3
@@ -25,7 +25,7 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     centroid outside the base.
     """
     moments = np.linalg.eigvalsh(inertia_kg_m2)
-    must(
+    require(
         mass_kg > 0.0 and np.isfinite(mass_kg) and moments[0] > 0.0 and moments[0] + moments[1] >= moments[2],
         "a positive mass and the inertia of a body",
         f"{mass_kg:g} kg and principal moments {moments}",
@@ -34,7 +34,7 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     shift = np.array([centroid_m[0], centroid_m[1], 0.0])
     footprint = solid.footprint_m - shift
     beside = f"one at ({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m, beside it"
-    must(base.margin_m(footprint) > 0.0, "a centroid above the base", beside)
+    require(base.margin_m(footprint) > 0.0, "a centroid above the base", beside)
     return replace(
         solid,
         vertices_m=solid.vertices_m - shift,
@@ -82,7 +82,7 @@ def adjusted(
     `centroid_rel` raises the centroid, `base_rel` widens every horizontal distance of the surface, `inertia_rel` grows the tensor
     about the centroid; mass is kept throughout. Raises MeshError for shares that leave nothing.
     """
-    must(
+    require(
         min(centroid_rel, base_rel, inertia_rel) > -1.0,
         "shares above -1 (nothing left)",
         f"{centroid_rel:g}, {base_rel:g}, {inertia_rel:g} for centroid, base and inertia",
@@ -130,7 +130,7 @@ def load_hollow(
     """
     around, shell = (closed_mesh(path, unit, up) for path in (outer, inner))
     volume, hollow = (mass_properties(mesh.vertices, mesh.faces).volume_m3 for mesh in (around, shell))
-    must(
+    require(
         hollow > 0.0,
         "an inner shell with its faces outward",
         f"a volume of {hollow:.4g} m³",
@@ -138,14 +138,14 @@ def load_hollow(
         place=str(inner),
     )
     outside = (manifold(shell.vertices, shell.faces) - manifold(around.vertices, around.faces)).volume() / hollow
-    must(
+    require(
         outside <= OUTSIDE_REL,
         "an inner shell inside the statue",
         f"one with {100.0 * outside:.3g} % of its volume outside",
         "both files must have the same origin, unit and axes",
         place=shell.source,
     )
-    must(
+    require(
         (density_kg_m3 is None) != (mass_kg is None),
         "either a density or a weighed mass",
         "both or neither",

@@ -15,7 +15,7 @@ import numpy as np
 
 from harness.input.mistakes import MOST_MISTAKES, unsaid
 from harness.input.text_file import decoded, is_decimal, numbers, read_bytes
-from harness.model.errors import InputError, Mistake, must, refuse
+from harness.model.errors import InputError, Mistake, refuse, require
 from harness.model.history import COLUMNS, Array, History, hermites
 
 REQUIRED: Final = ("t_s", "theta_rad")
@@ -80,13 +80,13 @@ def read_history(path: Path | str) -> History:
         columns.setdefault(rate, np.gradient(columns[value], t_s) if t_s.size > 1 else np.zeros_like(t_s))
     extra = {name: values for name, values in columns.items() if name not in COLUMNS}
     largest = float(np.max(np.abs(columns["theta_rad"])))
-    must(
+    require(
         largest <= MOST_RAD,
         str(path),
-        "theta_rad",
         f"rotations of at most {MOST_RAD:g} rad",
         f"{largest:g} rad",
         "name a column in degrees theta_deg",
+        key="theta_rad",
     )
     t_s, theta, theta_rate, slip, slip_rate = (columns[name] for name in COLUMNS)
     return History(t_s, theta, theta_rate, slip, slip_rate, extra, *_resolutions(table, meant, t_s, theta, slip))
@@ -123,25 +123,25 @@ def gaps(history: History) -> list[tuple[float, float]]:
 def _table(path: Path, text: str) -> _Table:
     numbered = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
     numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith("#")]
-    must(len(numbered) >= 2, str(path), "", "a header line and at least one row of numbers", f"{len(numbered)} lines")
+    require(len(numbered) >= 2, str(path), "a header line and at least one row of numbers", f"{len(numbered)} lines")
     header = numbered[0][1]
     separator = max(SEPARATORS, key=header.count)
     try:
         cells = list(csv.reader(io.StringIO("\n".join(line for _, line in numbered)), delimiter=separator))
     except csv.Error as error:
         raise InputError(Mistake(str(path), "", "a readable CSV file", str(error))) from error
-    must(len(cells) == len(numbered), str(path), "", "one row in each line", "a quoted cell over several lines")
+    require(len(cells) == len(numbered), str(path), "one row in each line", "a quoted cell over several lines")
     if not cells[0][-1].strip() and all(not row[-1].strip() for row in cells[1:]):
         # Every line ends with the separator.
         cells = [row[:-1] for row in cells]
     names = [name.strip() for name in cells[0]]
-    must(
+    require(
         not all(is_decimal(name.replace(",", ".")) for name in names),
         str(path),
-        f"line {numbered[0][0]}",
         "a header that names the columns",
         "numbers",
         f"put {separator.join(REQUIRED)} in the first line, in the order of the columns",
+        key=f"line {numbered[0][0]}",
     )
     return _Table(names, cells[1:], [number for number, _ in numbered[1:]], separator != ",")
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.input import paths
 from harness.input.tables import AdjustTable, MeshTable, StatueTable
-from harness.model.errors import InputError, Mistake, must
+from harness.model.errors import InputError, Mistake, require
 from harness.model.finding import Axes, Finding, Say, Shown, caution, info, new_axes
 from harness.model.history import Array
 from harness.model.scene import Statue
@@ -98,7 +98,7 @@ def read_mesh(path: Path | str, unit: str | float = "m", *, up: str = "z", densi
     from meshes.intake import read_mesh as read
     from meshes.processing_log import measure
 
-    must(density_kg_m3 > 0.0, "read_mesh", "density_kg_m3", "a positive density", repr(density_kg_m3))
+    require(density_kg_m3 > 0.0, "read_mesh", "a positive density", repr(density_kg_m3), key="density_kg_m3")
     try:
         mesh = to_metres_z_up(read(path), unit, up)
         must_have_thickness(mesh)
@@ -167,12 +167,12 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: lis
     """The statue of a table with its mesh; what was reconciled, hollowed or adjusted is added to `found`. Raises `InputError`."""
     import meshes
 
-    must(
+    require(
         mesh.density_kg_m3 is not None or table.mass_kg is not None,
         str(path),
-        "statue.mesh.density_kg_m3",
         "a density, or statue.mass_kg as weighed",
         "neither",
+        key="statue.mesh.density_kg_m3",
     )
     file = paths.resolve(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
     inner = None

@@ -11,7 +11,7 @@ from typing import Final, cast
 
 from pydantic import JsonValue
 
-from harness.model.errors import InputError, Mistake, must, refuse
+from harness.model.errors import InputError, Mistake, refuse, require
 
 # TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not have.
 
@@ -103,7 +103,7 @@ def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> dic
 def _parted(item: str) -> tuple[str, object]:
     """Key and value of a `KEY=VALUE`; what is no TOML value is a text."""
     key, equals, value = item.partition("=")
-    must(equals, OPTION, item, *_key_wanted(item))
+    require(equals, OPTION, *_key_wanted(item), key=item)
     try:
         return key, content_of(f"value = {value}", OPTION, key)["value"]
     except tomllib.TOMLDecodeError:
@@ -120,7 +120,7 @@ def put(content: dict[str, JsonValue], place: str, key: str, value: object) -> t
     `place` is what names it. Raises `InputError` where the path is no table.
     """
     parts = tuple(part.strip() for part in key.split("."))
-    must(all(parts), place, key, *_key_wanted(key))
+    require(all(parts), place, *_key_wanted(key), key=key)
     table = content
     for part in parts[:-1]:
         inner = table.setdefault(part, {})

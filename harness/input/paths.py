@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import JsonValue
 
-from harness.model.errors import must
+from harness.model.errors import require
 
 DATA_VARIABLE = "ROCKCHECK_DATA"
 _PREFIX = "${" + DATA_VARIABLE + "}"
@@ -33,24 +33,24 @@ def resolve(file: str, *, base_dir: Path, where: str, key: str) -> Path:
 
     Raises InputError (with `where` and `key`) where there is no such file.
     """
-    must(
+    require(
         not file.startswith("$") or file.startswith(_PREFIX + "/"),
         where,
-        key,
         f'a path, of variables only "{_PREFIX}/…"',
         repr(file),
         "write it out",
+        key=key,
     )
     path = _named(file, base_dir)
-    must(
+    require(
         is_file(path),
         where,
-        key,
         "an existing file",
         str(path),
         f"set {DATA_VARIABLE} to the folder of scans and records"
         if file.startswith(_PREFIX)
         else ("" if Path(file).is_absolute() else "a relative path starts at the scene's folder"),
+        key=key,
     )
     return path.resolve()
 

@@ -21,7 +21,7 @@ from harness.input.mesh_statue import statue_from_mesh
 from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import InitialTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
-from harness.model.errors import InputError, Mistake, must, refuse
+from harness.model.errors import InputError, Mistake, refuse, require
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
@@ -58,13 +58,13 @@ def load_scene(path: Path | str, overrides: Overrides = ()) -> Scene:
     `overrides` replace keys before validation: `{"motion.x.amplitude_g": 0.4}`, or texts `KEY=VALUE` as on the command line;
     None removes a key. Raises `InputError` with every mistake found.
     """
-    must(
+    require(
         isinstance(path, str | os.PathLike),
         "load_scene",
-        "path",
         "the path of a scene file",
         type(path).__name__,
         "harness.scene(mapping) takes a scene's tables",
+        key="path",
     )
     path = Path(path)
     model, content = tables.parse(tables.read(path), str(path), replacements(overrides))
@@ -84,13 +84,13 @@ def scene(mapping: Mapping[str, object]) -> Scene:
 
     Files are looked for from the working directory. Raises `InputError` with every mistake found, as for a file.
     """
-    must(
+    require(
         isinstance(mapping, Mapping),
         "scene",
-        "mapping",
         "the tables of a scene as a mapping",
         type(mapping).__name__,
         "harness.load_scene(path) reads a file",
+        key="mapping",
     )
     model, content = tables.checked(_from_here(cast(dict[str, JsonValue], plain(mapping))), str(UNNAMED))
     return resolve(model, None, content)
@@ -98,13 +98,13 @@ def scene(mapping: Mapping[str, object]) -> Scene:
 
 def changed(scene: Scene, overrides: Overrides = (), keys: Mapping[str, object] = MappingProxyType({})) -> Scene:
     """A scene with keys of its tables replaced (`Scene.replace`). Raises `InputError`, also for one made of resolved parts."""
-    must(
+    require(
         scene.given,
         scene.title,
-        "overrides",
         "a scene that was loaded, whose keys are known",
         "one made in Python",
         "use dataclasses.replace",
+        key="overrides",
     )
     asked = replacements(overrides, keys)
     model, content = tables.checked(copy.deepcopy(dict(scene.given)), str(scene.source or UNNAMED), asked)
@@ -260,12 +260,12 @@ def _initial(table: InitialTable, statue: Statue, path: Path) -> Initial:
     turn = (w / norm, x / norm, y / norm, z / norm)
     pose = Pose(table.position_m, turn, table.velocity_m_s or still, table.angular_velocity_rad_s or still)
     lowest = table.position_m[2] + float(np.min(statue.outer_points_m @ pose.rotation[2]))
-    must(
+    require(
         lowest >= -BELOW_M,
         str(path),
-        "initial.position_m",
         f"the whole body above the floor (z = 0): the centroid at least {-lowest:.6g} m higher",
         f"its lowest point at {lowest:.6g} m",
+        key="initial.position_m",
     )
     return Initial(pose=pose)
 
@@ -292,12 +292,12 @@ def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedest
     centre = statue.base_centre_m + pedestal.offset_m
     low, high = centre - 0.5 * pedestal.width_m, centre + 0.5 * pedestal.width_m
     left, right = -statue.corner_left_m, statue.corner_right_m
-    must(
+    require(
         low <= left + 1e-9 and high >= right - 1e-9,
         str(path),
-        "pedestal.width_m",
         f"a pedestal under the whole base (width {right - left:.4g} m, with the offset)",
         f"one from {low:.4g} to {high:.4g} m under a base from {left:.4g} to {right:.4g} m",
+        key="pedestal.width_m",
     )
     return pedestal
 
@@ -325,7 +325,13 @@ def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
     if height is None:
         height = 2.0 * height_c
         found.append(info("key_assumed", key="statue.height_m", value=height))
-    must(height > height_c, str(path), "statue.height_m", f"more than centroid_height_m = {height_c:g}", f"{height:g}")
+    require(
+        height > height_c,
+        str(path),
+        f"more than centroid_height_m = {height_c:g}",
+        f"{height:g}",
+        key="statue.height_m",
+    )
     depth = table.depth_m
     if depth is None:
         depth = left + right

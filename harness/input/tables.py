@@ -16,7 +16,7 @@ from harness.input.mistakes import Contradiction, UserTable, agree, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
-from harness.model.errors import InputError, Mistake, must, refuse
+from harness.model.errors import InputError, Mistake, refuse, require
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]
@@ -317,10 +317,9 @@ def _absent_numbers(statue: JsonValue, where: str) -> list[Mistake]:
 
 def read(path: Path) -> str:
     """The text of a scene file; raises `InputError` when it cannot be read."""
-    must(
+    require(
         path.suffix.lower() not in SCANS,
         str(path),
-        "",
         "a TOML file",
         "a scan",
         f"`rockcheck new {shlex.quote(str(path))} --motion RECORD` makes a scene of it",
@@ -328,7 +327,7 @@ def read(path: Path) -> str:
     try:
         with path.open("rb") as stream:
             raw = stream.read(MAX_BYTES + 1)
-        must(len(raw) <= MAX_BYTES, str(path), "", f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one")
+        require(len(raw) <= MAX_BYTES, str(path), f"a TOML file of at most {MAX_BYTES:.0e} bytes", "a longer one")
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         got = f"byte {error.start} that is none"

@@ -16,7 +16,7 @@ from typing import IO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import InputError, Mistake, must
+from harness.model.errors import InputError, Mistake, require
 
 MOST_BYTES: Final = 64 * 2**20
 """Largest text read, unpacked: three components of 20 minutes at 200 Hz with velocities and displacements take 17 MB."""
@@ -102,8 +102,8 @@ def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
     where, limit = str(path), f"{what} of at most {most / 2**20:.3g} MiB"
     try:
         status = path.stat()
-        must(stat.S_ISREG(status.st_mode), where, "", f"{what} in a file", "something that is no file")
-        must(status.st_size <= most, where, "", limit, f"{status.st_size / 2**20:.3g} MiB")
+        require(stat.S_ISREG(status.st_mode), where, f"{what} in a file", "something that is no file")
+        require(status.st_size <= most, where, limit, f"{status.st_size / 2**20:.3g} MiB")
         raw = path.read_bytes()
     except OSError as error:
         raise InputError(Mistake(where, "", f"{what} that can be read", error.strerror or str(error))) from error
@@ -118,7 +118,7 @@ def read_bytes(path: Path, what: str, most: int = MOST_BYTES) -> bytes:
     except (OSError, EOFError, RuntimeError, ValueError, zlib.error, zipfile.BadZipFile) as error:
         got = f"one that does not unpack ({error})"
         raise InputError(Mistake(where, "", "a whole gzip or ZIP file", got, "download it again")) from error
-    must(len(raw) <= most, where, "", limit, "more than that once unpacked", "cut it, or take another file")
+    require(len(raw) <= most, where, limit, "more than that once unpacked", "cut it, or take another file")
     return raw
 
 
@@ -129,10 +129,9 @@ def _unpacked(raw: bytes, where: str) -> gzip.GzipFile | IO[bytes]:
     archive = zipfile.ZipFile(io.BytesIO(raw))
     names = [name for name in archive.namelist() if not name.endswith("/") and not name.startswith("__MACOSX/")]
     shown = ", ".join(ascii(name)[1:-1] for name in names[:4]) + (", …" if len(names) > 4 else "")
-    must(
+    require(
         len(names) == 1,
         where,
-        "",
         "a ZIP archive of one file",
         f"{len(names)} files ({shown})",
         "unpack it and name one of them: files of one record find each other",
@@ -142,7 +141,7 @@ def _unpacked(raw: bytes, where: str) -> gzip.GzipFile | IO[bytes]:
 
 def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:
     """Text of UTF-8, of UTF-16 by its mark, where `latin` else of Latin-1; InputError for all else, an empty file too."""
-    must(raw.strip(), where, "", what, "an empty file")
+    require(raw.strip(), where, what, "an empty file")
     if raw.startswith(UTF16_MARKS):
         try:
             return raw.decode("utf-16")
@@ -150,7 +149,7 @@ def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:
             got = "UTF-16 that is cut off or damaged"
             raise InputError(Mistake(where, "", "a text file", got, "save it as UTF-8")) from error
     for mark, name in PACKED.items():
-        must(not raw.startswith(mark), where, "", "a text file", name, "unpack it first")
+        require(not raw.startswith(mark), where, "a text file", name, "unpack it first")
     if b"\x00" in raw:
         # Every other byte of ASCII in UTF-16 is nought; other binary data has no such order.
         half = max(raw[:4096:2].count(0), raw[1:4096:2].count(0)) > 0.9 * len(raw[:4096]) / 2

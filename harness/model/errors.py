@@ -78,19 +78,6 @@ class InputError(ValueError):
         return "\n".join(map(str, self.mistakes))
 
 
-def must(holds: object, where: str, key: str, wanted: str, got: str, advice: str = "") -> None:
-    """Raise `InputError` of this one mistake unless it holds."""
-    if not holds:
-        raise InputError(Mistake(where, key, wanted, got, advice))
-
-
-def must_have(value: T | None, where: str, key: str, wanted: str, got: str, advice: str = "") -> T:
-    """The value, which is not None; else raises `InputError` of this one mistake."""
-    if value is None:
-        raise InputError(Mistake(where, key, wanted, got, advice))
-    return value
-
-
 def refuse(mistakes: Collection[Mistake]) -> None:
     """Raise `InputError` of all these mistakes, where there is one."""
     if mistakes:
@@ -114,6 +101,13 @@ def require(holds: object, where: str, wanted: str, got: str, advice: str = "", 
     """Raise `InputError` of one mistake unless something holds."""
     if not holds:
         raise InputError(Mistake(where, key, wanted, got, advice))
+
+
+def required(value: T | None, where: str, wanted: str, got: str, advice: str = "", *, key: str = "") -> T:
+    """The value, which is not None; else raises `InputError` of one mistake."""
+    if value is None:
+        raise InputError(Mistake(where, key, wanted, got, advice))
+    return value
 
 
 def check_known(name: str, known: Collection[str], option: str) -> None:

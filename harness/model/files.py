@@ -16,7 +16,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import BinaryIO, Final
 
-from harness.model.errors import must
+from harness.model.errors import require
 
 FRESH: Final = ".writing-"
 """What the names begin with of files that are not whole yet."""
@@ -62,10 +62,9 @@ def is_own(path: Path, sums: Collection[str] = ()) -> bool:
 
 def check_own(path: Path, sums: Collection[str] = (), option: str = "") -> None:
     """Raise `InputError` unless a file may be replaced (see `is_own`)."""
-    must(
+    require(
         is_own(path, sums),
         option or str(path),
-        "",
         "a new file, or one that is as rockcheck wrote it",
         f"{path}, which is another's, or was changed since",
         "move it away",

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.errors import InputError, Mistake, must
+from harness.model.errors import InputError, Mistake, require
 from harness.model.finding import Axes, Shown, new_axes
 
 Array = NDArray[np.float64]
@@ -247,25 +247,29 @@ class History(Shown):
         Raises `InputError` for fewer than two samples, lengths that differ, numbers that are not finite, times that do not rise.
         """
         times, theta = numbers(t_s, "from_arrays", "t_s"), numbers(theta_rad, "from_arrays", "theta_rad")
-        must(
+        require(
             times.ndim == 1 and times.size >= 2,
             "from_arrays",
-            "t_s",
             "at least two times in one dimension",
             f"shape {times.shape}",
+            key="t_s",
         )
-        must(
-            (np.diff(times) > 0.0).all(), "from_arrays", "t_s", "times that rise", "some that do not, or are no numbers"
+        require(
+            (np.diff(times) > 0.0).all(),
+            "from_arrays",
+            "times that rise",
+            "some that do not, or are no numbers",
+            key="t_s",
         )
         slip = np.zeros(times.shape) if slip_m is None else numbers(slip_m, "from_arrays", "slip_m")
         given = {"theta_rate_rad_s": (theta_rate_rad_s, theta), "slip_rate_m_s": (slip_rate_m_s, slip)}
         for name, values in (("theta_rad", theta), ("slip_m", slip)):
-            must(
+            require(
                 values.shape == times.shape,
                 "from_arrays",
-                name,
                 f"{times.size} numbers, one for each time",
                 f"shape {values.shape}",
+                key=name,
             )
         rates = {
             name: np.gradient(of, times, edge_order=2 if times.size > 2 else 1)

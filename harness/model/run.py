@@ -14,7 +14,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, ClassVar, Final, Literal, NamedTuple
 
-from harness.model.errors import must_have
+from harness.model.errors import required
 from harness.model.files import write_text
 from harness.model.finding import Axes, Finding, Shown
 from harness.model.history import History, Outcome
@@ -242,7 +242,7 @@ class Run(RunRow, Shown):
 
     def _its_history(self) -> History:
         got = self.message or "its outcome alone"
-        return must_have(self.history, f"run of {self.engine}", "history", "a run with its history", got)
+        return required(self.history, f"run of {self.engine}", "a run with its history", got, key="history")
 
     def with_uncertainty(self, of_rotation_rad: float, of_slip_m: float, until_s: float, *findings: Finding) -> Run:
         """The same run with its numerical uncertainty stated."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 from harness.model.finding import Axes, Shown, library, new_axes
 from harness.model.history import History, Outcome
 from harness.model.run import NUMBERS
@@ -117,7 +117,7 @@ class RunSet(Shown):
         >>> runs.history(0).theta_rad
         """
         kept = self.histories[place] if self.histories else None
-        return must_have(kept, self.title, f"history of run {place}", "a run whose history was asked for", "none")
+        return required(kept, self.title, "a run whose history was asked for", "none", key=f"history of run {place}")
 
     def to_arrow(self) -> pyarrow.Table:
         """Its table as Arrow's. Raises `InputError` without pyarrow (the extra [parquet])."""
@@ -168,7 +168,7 @@ class RunSet(Shown):
 
     def _check(self, *names: str) -> None:
         for name in names:
-            must(name in self.table, self.title, name, f"a column: {', '.join(self.table)}", "none of this name")
+            require(name in self.table, self.title, f"a column: {', '.join(self.table)}", "none of this name", key=name)
 
     def _distinct(self, key: str) -> dict[str, Any]:
         """The values of a column, each once: numbers by size, anything else in its order; a list is a value, too."""
@@ -180,7 +180,7 @@ class RunSet(Shown):
         """The keys of numbers that vary, at most two."""
         columns = {key: [*self._distinct(key).values()] for key in self.varied}
         numbers = [key for key, some in columns.items() if len(some) > 1 and all(type(v) in (int, float) for v in some)]
-        must(numbers, self.title, "vary", "a number that varies", ", ".join(columns) or "nothing")
+        require(numbers, self.title, "a number that varies", ", ".join(columns) or "nothing", key="vary")
         return numbers[:2]
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
 from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from harness.model.errors import InputError, Mistake, must, must_have
+from harness.model.errors import InputError, Mistake, require, required
 from harness.model.finding import Axes, Finding, Shown, new_axes
 from harness.model.history import Array, numbers
 from harness.model.run import OMITTED
@@ -381,7 +381,7 @@ class Scene(Shown):
         """
         wanted = "a scene that was loaded, whose keys are known"
         advice = "use dataclasses.replace"
-        reader = must_have(self._reader, self.title, "replace", wanted, "one made of parts", advice)
+        reader = required(self._reader, self.title, wanted, "one made of parts", advice, key="replace")
         return reader(self, overrides, keys)
 
     def with_motion(self, accel_m_s2: ArrayLike, dt_s: float, axis: str = "x") -> Scene:
@@ -393,10 +393,12 @@ class Scene(Shown):
         known of it. Raises `InputError` for samples that are no numbers, or fewer than two.
         """
         place = "with_motion"
-        must(axis in ("x", "y", "z"), place, "axis", "x, y or z", repr(axis))
+        require(axis in ("x", "y", "z"), place, "x, y or z", repr(axis), key="axis")
         samples = numbers(accel_m_s2, place, "accel_m_s2")
-        must(isinstance(dt_s, int | float) and dt_s > 0.0, place, "dt_s", "a positive step", repr(dt_s))
-        must(samples.ndim == 1, place, "accel_m_s2", "an array of one dimension", f"one of shape {samples.shape}")
+        require(isinstance(dt_s, int | float) and dt_s > 0.0, place, "a positive step", repr(dt_s), key="dt_s")
+        require(
+            samples.ndim == 1, place, "an array of one dimension", f"one of shape {samples.shape}", key="accel_m_s2"
+        )
         wrong = np.flatnonzero(~np.isfinite(samples))
         if wrong.size:
             got = f"{samples[wrong[0]]} at sample {wrong[0]}"
@@ -471,4 +473,4 @@ class Scene(Shown):
 
 def must_be_scene(scene: object, caller: str) -> None:
     """Raise `InputError` for what is no scene, such as its file's path."""
-    must(isinstance(scene, Scene), caller, "scene", "a scene: harness.load_scene(path)", type(scene).__name__)
+    require(isinstance(scene, Scene), caller, "a scene: harness.load_scene(path)", type(scene).__name__, key="scene")

@@ -22,7 +22,7 @@ from harness.input.motions.spec import (
     SamplesSpec,
     SpectrumSpec,
 )
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import Finding, info
 
 if TYPE_CHECKING:
@@ -136,21 +136,21 @@ def _on_floor(ground: PreparedMotion, modes: tuple[Oscillator, ...], motion: Sce
     until = end + ring_down_s(modes)
     if duration_s is not None:
         until = min(until, duration_s) if end <= duration_s else duration_s
-    must(
+    require(
         math.isfinite(until),
         where,
-        f"{key}.floor",
         "a motion that ends, or the scene's duration_s",
         "a harmonic motion without end",
+        key=f"{key}.floor",
     )
     shortest_s = min(mode.period_s for mode in modes)
-    must(
+    require(
         until / shortest_s <= MOST_PERIODS,
         where,
-        f"{key}.floor.period_s",
         f"at least {until / MOST_PERIODS:.2g} s for {until:.4g} s of motion",
         f"{shortest_s:g}",
         "so stiff a mode moves with the ground: leave it out",
+        key=f"{key}.floor.period_s",
     )
     periods_s, dampings, shares = zip(*((mode.period_s, mode.damping, mode.share) for mode in modes), strict=True)
     moved = floor_motion(ground.excitation, modes, until)

@@ -19,7 +19,7 @@ from harness.input.motions.recordfile import (
     mistake,
     velocity_m_s,
 )
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import Finding, caution, info
 
 LARGEST_PEAK_G: Final = 10.0
@@ -69,19 +69,26 @@ def check(record: RecordFile) -> tuple[Finding, ...]:
 
 def _channel(channel: Channel, record: RecordFile) -> Iterator[Finding]:
     accel = channel.accel_m_s2
-    must(accel.size >= 2, record.path, channel.name, "two samples or more", str(accel.size), "the file holds no motion")
+    require(
+        accel.size >= 2,
+        record.path,
+        "two samples or more",
+        str(accel.size),
+        "the file holds no motion",
+        key=channel.name,
+    )
     least_s, most_s = STEPS_S
-    must(
+    require(
         least_s <= channel.dt_s <= most_s,
         record.path,
-        channel.name,
         f"a step between {least_s:g} and {most_s:g} s",
         f"{channel.dt_s:g} s",
+        key=channel.name,
     )
     if record.unit in UNITS_M_S2:
         refuse_fillers(accel / UNITS_M_S2[record.unit], record.path, lambda row: f"{channel.name}, sample {row + 1}")
     peak_g = float(np.abs(accel).max()) / STANDARD_GRAVITY_M_S2
-    must(peak_g != 0.0, record.path, channel.name, "a motion", "nothing but zeros")
+    require(peak_g != 0.0, record.path, "a motion", "nothing but zeros", key=channel.name)
     spikes = _spikes(channel, record)
     if peak_g > LARGEST_PEAK_G:
         likely = _likely_units(peak_g, record.unit)

@@ -25,7 +25,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, peak_velocity_m_s
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import Finding, caution, info
 
 # The building's filter: the acceleration of a floor from that of the ground, by one or several oscillators.
@@ -186,7 +186,7 @@ def clock_of(
     `lines` are the rows' lines, for messages. With `largest`, the place of the largest sample, the trace is film or the like:
     times printed alike are spread, gaps are allowed, and that sample stays on the clock.
     """
-    must(t_s.size >= 2, where, "", "two samples or more", str(t_s.size), "the file holds no motion")
+    require(t_s.size >= 2, where, "two samples or more", str(t_s.size), "the file holds no motion")
     doubled: tuple[Finding, ...] = ()
     if largest is not None and (np.diff(t_s) == 0.0).any():
         t_s, doubled = _spread(t_s), (info("record_times_spread"),)
@@ -224,10 +224,9 @@ def clock_of(
             fine = (end_s - start_s) / max(round((end_s - start_s) / fine), 1)
         else:
             start_s += (float(t_s[largest]) - start_s) % fine
-    must(
+    require(
         (end_s - start_s) / fine <= MOST_SAMPLES,
         where,
-        "",
         f"steps that make at most {MOST_SAMPLES:.0e} samples when evened",
         f"{steps.min():g} to {steps.max():g} s",
         "cut the record",

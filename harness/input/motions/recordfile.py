@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import SampledAcceleration
 from harness.input.text_file import FOREIGN, UTF16_MARKS, decoded, fortran
-from harness.model.errors import InputError, Mistake, must, must_have
+from harness.model.errors import InputError, Mistake, require, required
 from harness.model.finding import Finding
 
 # Directions of recorded channels, from the many ways in which networks write them.
@@ -309,20 +309,27 @@ def text_of(raw: bytes, where: str) -> str:
 def header_number(text: str, where: str, place: str, what: str) -> float:
     """The finite positive number that a header gives for `what`; InputError naming its `place` where it gives none."""
     value = _number(text) or 0.0
-    must(0.0 < value < np.inf, where, place, f"{what}, a positive number", repr(text.strip()), "the header is damaged")
+    require(
+        0.0 < value < np.inf,
+        where,
+        f"{what}, a positive number",
+        repr(text.strip()),
+        "the header is damaged",
+        key=place,
+    )
     return value
 
 
 def header_count(text: str, where: str, place: str, what: str) -> int:
     """The whole number of two or more that a header gives for `what`; InputError naming its `place` where it gives none."""
     value = header_number(text, where, place, what)
-    must(
+    require(
         value >= 2.0 and value == int(value),
         where,
-        place,
         f"{what}, a whole number of 2 or more",
         repr(text.strip()),
         "the header is damaged",
+        key=place,
     )
     return int(value)
 
@@ -348,13 +355,13 @@ def fixed_width(
     values = _words(padded, count)
     if values is None:
         # A last line may be filled up with noughts; other numbers are the next block's, or of a line that is there twice.
-        must(
+        require(
             not re.search("[1-9]", "".join(padded)[count * width :]),
             where,
-            what,
             f"{count} numbers in {len(lines)} lines, as its header says",
             "more",
             "a line is missing, or there twice: download the file again",
+            key=what,
         )
         places = [(i, start) for i, line in enumerate(padded) for start in range(0, len(line), width)][:count]
         values = np.array([_field(padded[i], start, width, where, first_line + i) for i, start in places])
@@ -421,19 +428,19 @@ def free_format(lines: Sequence[str], *, where: str, first_line: int) -> NDArray
 
 def first_of(values: NDArray[np.float64], count: int, where: str, place: str) -> NDArray[np.float64]:
     """The first `count` of `values` (n,); InputError naming `place` where there are fewer."""
-    must(values.size >= count, where, place, f"{count} numbers, as its header says", str(values.size), CUT_OFF)
+    require(values.size >= count, where, f"{count} numbers, as its header says", str(values.size), CUT_OFF, key=place)
     return values[:count]
 
 
 def check_rows(lines: Sequence[str], first: int, rows: int, where: str) -> None:
     """Raise InputError unless `rows` lines follow from lines[first] on."""
-    must(
+    require(
         len(lines) >= first + rows,
         where,
-        f"line {first + 1}",
         f"{rows} lines of numbers",
         f"{max(len(lines) - first, 0)} to the file's end",
         CUT_OFF,
+        key=f"line {first + 1}",
     )
 
 
@@ -444,7 +451,14 @@ def columns(lines: Sequence[str], count: int, *, where: str, first_line: int) ->
     if values.size != count * len(whole):
         for place, line in whole:
             had = free_format([line], where=where, first_line=place).size
-            must(had == count, where, f"line {place}", f"{count} numbers", str(had), "the file is damaged, or cut off")
+            require(
+                had == count,
+                where,
+                f"{count} numbers",
+                str(had),
+                "the file is damaged, or cut off",
+                key=f"line {place}",
+            )
     return values.reshape(-1, count)
 
 
@@ -486,7 +500,7 @@ class Header:
     def needed(self, pattern: str, what: str) -> tuple[str, str]:
         """As `find`; InputError, wanting `what`, where it catches nothing."""
         text, place = self.find(pattern)
-        must(text, self.where, place, what, "none", "the header is damaged, or of another format")
+        require(text, self.where, what, "none", "the header is damaged, or of another format", key=place)
         return text, place
 
     def number(self, pattern: str, what: str) -> float:
@@ -502,7 +516,7 @@ class Header:
     def unit(self, pattern: str, what: str) -> str:
         """The unit of acceleration that `pattern` catches; InputError."""
         text, place = self.needed(pattern, what)
-        return must_have(unit_named(text), self.where, place, what, repr(text))
+        return required(unit_named(text), self.where, what, repr(text), key=place)
 
     def peak(self, pattern: str) -> tuple[float | None, float | None]:
         """The peak that `pattern` catches and, by its second group, its time; None where not a number, or before the start."""

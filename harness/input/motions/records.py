@@ -15,7 +15,7 @@ from harness.input.motions import process
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, mistake, parse_orientation
 from harness.input.motions.spec import Source
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import Finding, info
 
 ROUNDING: Final = 1e-12
@@ -106,10 +106,9 @@ def aligned(record: RecordFile) -> dict[str, Series]:
     last = min(channel.start_s + channel.dt_s * (channel.accel_m_s2.size - 1) for channel in channels)
     dt_s = min(channel.dt_s for channel in channels)
     count = math.floor((last - first) / dt_s + 1e-6) + 1
-    must(
+    require(
         count >= _LEAST_SAMPLES,
         record.path,
-        "",
         "channels that overlap in time",
         "channels that do not",
         "read them one by one",
@@ -147,13 +146,13 @@ def channel_named(record: RecordFile, column: str | None, *, where: str, key: st
     meant = parse_orientation(column)
     same = [channel for channel in record.channels if _same(channel, meant.azimuth_deg, meant.vertical)]
     matches = exact or same
-    must(
+    require(
         len(matches) == 1,
         where,
-        f"{key}.column",
         f"one of {available}",
         f"{column!r}, which fits {len(matches)} of them" if matches else repr(column),
         f"these are the columns of {record.path}",
+        key=f"{key}.column",
     )
     return matches[0]
 
@@ -176,24 +175,24 @@ def crossing_deg(one: Channel, two: Channel) -> float:
 def turned(record: RecordFile, azimuth_deg: float, *, where: str, key: str) -> Series:
     """The horizontal acceleration towards `azimuth_deg` (clockwise from north) from the record's two horizontals."""
     horizontals = record.horizontals
-    must(
+    require(
         len(horizontals) == 2,
         where,
-        f"{key}.azimuth_deg",
         "two horizontal channels with known azimuths",
         f"{len(horizontals)} in {record.path}",
         "give column",
+        key=f"{key}.azimuth_deg",
     )
     one, two = horizontals
     first, second = (math.radians(channel.orientation.azimuth_deg or 0.0) for channel in horizontals)
     crossing = crossing_deg(one, two)
-    must(
+    require(
         crossing >= LEAST_CROSSING_DEG,
         where,
-        f"{key}.azimuth_deg",
         "horizontals at least 30° apart",
         f"{one.name} and {two.name}, {crossing:g}° apart",
         "give column",
+        key=f"{key}.azimuth_deg",
     )
     towards = math.radians(azimuth_deg)
     weights = np.array([math.sin(second - towards), math.sin(towards - first)]) / math.sin(second - first)

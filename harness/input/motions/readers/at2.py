@@ -12,7 +12,7 @@ from harness.input.motions.recordfile import (
     header_count,
     header_number,
 )
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 from harness.model.finding import caution
 
 MARK = re.compile(r"PEER .*(?:\n.*){3}|(?:.*\n){3}.*\bNPTS\b.*\bDT\b", re.IGNORECASE)
@@ -35,18 +35,18 @@ def _points(line: str) -> tuple[str, str] | None:
 
 def read(lines: list[str], where: str) -> RecordFile:
     """The one channel of an AT2 file; InputError where values are missing or are no accelerations in g."""
-    points = must_have(
-        _points(lines[3]), where, "line 4", "NPTS= …, DT= … with a positive step", repr(lines[3].strip())
+    points = required(
+        _points(lines[3]), where, "NPTS= …, DT= … with a positive step", repr(lines[3].strip()), key="line 4"
     )
     count = header_count(points[0], where, "line 4", "NPTS")
     dt_s = header_number(points[1], where, "line 4", "DT in seconds")
-    must(
+    require(
         _ACCELERATION.search(lines[2]),
         where,
-        "line 3",
         "an acceleration in units of g",
         repr(lines[2].strip()),
         "AT2 is always in g; VT2 and DT2 hold velocities and displacements",
+        key="line 3",
     )
     every = free_format(lines[_HEADER_LINES:], where=where, first_line=_HEADER_LINES + 1)
     values = first_of(every, count, where, "accelerations")

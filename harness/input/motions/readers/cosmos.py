@@ -21,7 +21,7 @@ from harness.input.motions.recordfile import (
     parse_orientation,
     unit_named,
 )
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 from harness.model.finding import Finding, caution, info
 
 MARK = re.compile(r"(?s:.*?)(?:Integer|Real)-header values follow on", re.IGNORECASE)
@@ -67,13 +67,13 @@ def read(lines: list[str], where: str) -> RecordFile:
             channel, unit = _channel(lines, i, data, numbers, Header(lines[text_from:i], where, text_from), found)
             channels.append(channel)
             numbers, text_from = {}, i + 1
-    must(
+    require(
         not numbers and not any("text lines" in line for line in lines[text_from:]),
         where,
-        f"line {len(lines)}",
         "a whole channel after its header",
         "the file's end",
         CUT_OFF,
+        key=f"line {len(lines)}",
     )
     if not channels:
         got = next((line.strip() for line in lines if re.search(r"\bunits\s*=", line)), "none")
@@ -95,15 +95,15 @@ def _channel(
     written, code = data.group(3), (data.group(4) or "").lstrip("0")
     counted = code == "50" or written.lower().startswith("count")
     known = _COUNTS if counted else unit_named(written) or _CODES.get(code)
-    unit = must_have(known, where, place, "accelerations in cm/s², g or counts", repr(written))
+    unit = required(known, where, "accelerations in cm/s², g or counts", repr(written), key=place)
     form = fortran_format(data.group(5), where, place)
     integers, reals = (numbers.get(kind, np.empty(0)) for kind in ("integer", "real"))
-    must(
+    require(
         integers.size > _DIRECTION and reals.size > _PEAK_TIME and count >= 2,
         where,
-        place,
         "whole integer and real headers before the data",
         "shorter ones",
+        key=place,
     )
     dt_s = _step_s([float(reals[at]) for at in _STEP], count, duration, where)
     values = block(lines, i + 1, count, form, where)
@@ -123,13 +123,13 @@ def _channel(
 def _in_g(counts: Floats, reals: Floats, where: str) -> tuple[Floats, float]:
     """Counts about their mean, and the mean, in g by the recorder's µV for a count and the sensor's V for g."""
     microvolts, sensitivity, gain = (float(reals[at]) for at in (_LEAST_UV, _VOLTS_PER_G, _GAIN))
-    must(
+    require(
         microvolts > 0.0 and sensitivity > 0.0,
         where,
-        "counts (V0)",
         "the recorder's µV for a count and the sensor's V/g (real headers 22 and 42)",
         f"{microvolts:g} µV and {sensitivity:g} V/g",
         "take the V1 or V2 file of this record",
+        key="counts (V0)",
     )
     factor = microvolts * 1e-6 / sensitivity / (gain if gain > 0.0 else 1.0)
     mean = float(counts.mean())

@@ -23,7 +23,7 @@ from harness.input.motions.readers.table import (
 )
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake
 from harness.input.text_file import is_decimal, numbers, numbers_at_once
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import info
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
@@ -92,7 +92,7 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
         )
         values = clock.on(table[:, column])
         channels.append(Channel.read(header, orientation, clock.dt_s, values, used, start_s=clock.start_s))
-    must(channels, where, "", "a time column and an acceleration column", f"the columns {', '.join(headers)}")
+    require(channels, where, "a time column and an acceleration column", f"the columns {', '.join(headers)}")
     left_out = (info("record_column_left_out", column=each, words=each in words) for each in others)
     return RecordFile(where, "CSV", "/".join(sorted(units)), tuple(channels), {}, findings=(*clock.said, *left_out))
 
@@ -139,10 +139,14 @@ def _table(text: str, where: str) -> tuple[tuple[str, ...], set[str], NDArray[np
     headers = tuple(first) if headed else _commented(every, rows[0][0], len(first))
     if headed and body and len(units := cells(body[0][1])[: len(headers)]) == len(headers) and all(map(is_unit, units)):
         headers, body = tuple(f"{name} ({unit})" for name, unit in zip(headers, units, strict=True)), body[1:]
-    must(
-        len(set(headers)) == len(headers), where, f"line {rows[0][0]}", "column headers that differ", ", ".join(headers)
+    require(
+        len(set(headers)) == len(headers),
+        where,
+        "column headers that differ",
+        ", ".join(headers),
+        key=f"line {rows[0][0]}",
     )
-    must(len(body) >= 2, where, "", "two samples or more", str(len(body)), "the file holds no motion")
+    require(len(body) >= 2, where, "two samples or more", str(len(body)), "the file holds no motion")
     places = tuple(number for number, _ in body)
     plain = [line.replace(",", ".") if comma else line for _, line in body]
     if (

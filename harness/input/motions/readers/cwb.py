@@ -6,7 +6,7 @@ import re
 
 from harness.input.motions.process import clock_of
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, parse_orientation
-from harness.model.errors import must
+from harness.model.errors import require
 
 MARK = re.compile(r"(?=(?s:.{0,4000}?)#stationcode)(?s:.{0,4000}?)#(?:datasequence|amplitudeunit)", re.IGNORECASE)
 
@@ -18,24 +18,24 @@ def read(lines: list[str], where: str) -> RecordFile:
     unit = head.unit(r"^#\s*AmplitudeUnit:\s*([^\s,]+?)\.?(?:\s|$)", "'#AmplitudeUnit:' and gal")
     sequence, place = head.needed(r"^#\s*DataSequence:\s*(.*)", "'#DataSequence:' and the columns")
     named = re.findall(r"\b([UNE])\(([+-])\)", sequence.upper())
-    must(
+    require(
         sequence.lower().startswith("time") and named,
         where,
-        place,
         "'Time U(+); N(+); E(+)'",
         repr(sequence),
         "the header is damaged",
+        key=place,
     )
     values = columns(lines[first:], 1 + len(named), where=where, first_line=first + 1)
     clock = clock_of(values[:, 0], where)
     seconds = head.number(r"^#\s*RecordLength\(sec\):\s*([0-9.]+)", "'#RecordLength(sec):' and the length")
-    must(
+    require(
         clock.dt_s * clock.count >= seconds - 1.0,
         where,
-        "RecordLength(sec)",
         f"about {seconds:g} s",
         f"{clock.dt_s * clock.count:g} s",
         "the file is cut off",
+        key="RecordLength(sec)",
     )
     channels = [
         Channel.read(

@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Final
 
 from harness.input.motions.recordfile import UNITS_M_S2, Channel, Header, RecordFile, free_format, mistake
-from harness.model.errors import must
+from harness.model.errors import require
 
 MARK = re.compile(r"(?=EVENT[_ ]|NETWORK:)(?:.*\n)*?EVENT[_ ](?:NAME|ID):", re.IGNORECASE)
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)
@@ -22,21 +22,26 @@ def read(lines: list[str], where: str) -> RecordFile:
     first = next((i for i, line in enumerate(lines) if line.strip() and not _KEY.match(line)), len(lines))
     head = Header(lines[:first], where)
     kind = _words(head, "DATA_TYPE") or "ACCELERATION"
-    must(
-        kind.upper() == "ACCELERATION", where, "DATA_TYPE", "ACCELERATION", kind, "take the file whose name holds .ACC."
+    require(
+        kind.upper() == "ACCELERATION",
+        where,
+        "ACCELERATION",
+        kind,
+        "take the file whose name holds .ACC.",
+        key="DATA_TYPE",
     )
     dt_s = head.number(_key("SAMPLING_INTERVAL_S"), "SAMPLING_INTERVAL_S and a step")
     count = head.count(_key("NDATA"), "NDATA and how many")
     stream = head.needed(_key("STREAM|COMPONENT|CHANNEL_CODE|CHANNEL"), "STREAM and a channel such as HNE")[0]
     unit = head.unit(_key("UNITS"), "UNITS of cm/s^2, m/s^2 or g")
     values = free_format(lines[first:], where=where, first_line=first + 1)
-    must(
+    require(
         values.size == count,
         where,
-        "NDATA",
         f"{count} accelerations",
         str(values.size),
         "the file is cut off: download it again" if values.size < count else "",
+        key="NDATA",
     )
     peak, _ = head.peak(_key(r"PGA_CM/S\^2"))
     peak_s, _ = head.peak(_key("TIME_PGA_S"))

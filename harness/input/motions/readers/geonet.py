@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, block, check_rows
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import caution
 
 MARK = re.compile(r"[^\S\n]*(un)?corrected accelerogram\b.*\bGNS|(?:.*\n){12}Component.*\n.*mm/s/s", re.IGNORECASE)
@@ -23,13 +23,13 @@ def read(lines: list[str], where: str) -> RecordFile:
         channels.append(channel)
         start += used
     rest = next((line for line in lines[start:] if line.strip()), "")
-    must(
+    require(
         channels and not MARK.match(rest) and not NUMERIC.fullmatch(rest),
         where,
-        f"line {start + 1}",
         "a channel, or the end",
         repr(rest.strip()),
         "the file is cut off, or a line is there twice: download it again",
+        key=f"line {start + 1}",
     )
     site = lines[1].split()
     facts = {"event": lines[7].strip(), "station": f"{site[1] if len(site) > 1 else ''}, {lines[2].strip()}"}
@@ -46,13 +46,13 @@ def _channel(lines: list[str], start: int, where: str, blocks: int) -> tuple[Cha
     name = head.needed(r"^Component\s+(\S+)", "'Component' and a direction")[0]
     first = start + _TEXT_LINES + _NUMBER_LINES
     shifted = NUMERIC.fullmatch(lines[start + _TEXT_LINES - 1])
-    must(
+    require(
         not shifted and all(NUMERIC.fullmatch(line) for line in lines[start + _TEXT_LINES : first]),
         where,
-        f"lines {start + 1} to {first}",
         f"{_TEXT_LINES} lines of text, then {_NUMBER_LINES} of numbers",
         "others",
         "lines are missing, or too many",
+        key=f"lines {start + 1} to {first}",
     )
     rows = -(-count // _PER_LINE)
     check_rows(lines, first, blocks * rows, where)

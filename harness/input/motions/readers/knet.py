@@ -15,7 +15,7 @@ from harness.input.motions.recordfile import (
     free_format,
     header_number,
 )
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 from harness.model.finding import info
 
 MARK = re.compile(r"\s*origin time(?s:.{0,2000}?)(?:scale factor|station code)", re.IGNORECASE)
@@ -37,19 +37,19 @@ def read(lines: list[str], where: str) -> RecordFile:
     dt_s = 1.0 / head.number(r"^Sampling Freq\D*([0-9.]+)", "'Sampling Freq(Hz)' and the rate")
     scale, place = head.needed(r"^Scale Factor\s+(.*)", "'Scale Factor' and gal for a number of counts")
     factor = "a factor such as 3920(gal)/6182761"
-    match = must_have(_SCALE.fullmatch(scale), where, place, factor, repr(scale), "the header is damaged")
+    match = required(_SCALE.fullmatch(scale), where, factor, repr(scale), "the header is damaged", key=place)
     gal, counts = (header_number(part, where, place, "a part of the scale factor") for part in match.groups())
     values = free_format(lines[first:], where=where, first_line=first + 1) * (gal / counts)
     code = head.needed(r"^Dir\.\s+(\S+)", "'Dir.' and N-S, E-W, U-D or 1 to 6")[0].upper()
-    must(code in _DIRECTIONS, where, "Dir.", "N-S, E-W, U-D or 1 to 6", repr(code), "the header is damaged")
+    require(code in _DIRECTIONS, where, "N-S, E-W, U-D or 1 to 6", repr(code), "the header is damaged", key="Dir.")
     seconds = head.number(r"^Duration Time\D*([0-9.]+)", "'Duration Time(s)' and the length")
-    must(
+    require(
         values.size >= round(seconds / dt_s),
         where,
-        "accelerations",
         f"{round(seconds / dt_s)} numbers, as {seconds:g} s at {dt_s:g} s have",
         str(values.size),
         "the file is cut off",
+        key="accelerations",
     )
     mean = float(values.mean())
     kik = code in _NAMES

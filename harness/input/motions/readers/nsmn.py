@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 
 MARK = re.compile(r"(?s:.{0,170}?)STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)
@@ -13,10 +13,9 @@ _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-
 
 def read(lines: list[str], where: str) -> RecordFile:
     """The three channels; InputError where the header or a column is incomplete."""
-    named = must_have(
+    named = required(
         next((i for i, line in enumerate(lines) if _NAMES.match(line)), None),
         where,
-        "",
         "a line that names the columns, 'N-S E-W U-D'",
         "none",
         "the file is damaged",
@@ -25,22 +24,22 @@ def read(lines: list[str], where: str) -> RecordFile:
     head = Header(lines[:named], where)
     count = head.count(r"^NUMBER OF DATA\s*:(.*)", "'NUMBER OF DATA' and how many")
     dt_s = head.number(r"^SAMPLING INTERVAL\s*\((?i:sec)\)\s*:(.*)", "'SAMPLING INTERVAL (sec)' and a step")
-    must(
+    require(
         head.words(r"PGA VALUES\s*\((gal)\)"),
         where,
-        "header",
         "'PGA VALUES (gal)', which says the unit",
         "none",
         "the header is damaged",
+        key="header",
     )
     values = columns(lines[named + 1 :], len(names), where=where, first_line=named + 2)
-    must(
+    require(
         len(values) == count,
         where,
-        "NUMBER OF DATA",
         f"{count} lines of numbers",
         str(len(values)),
         "the file is cut off",
+        key="NUMBER OF DATA",
     )
     channels = [
         Channel.read(

@@ -15,7 +15,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))
@@ -41,12 +41,11 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
         got = f"{type(error).__name__}: {str(error).partition(': <')[0]}"
         raise mistake(where, "", "a whole miniSEED or SAC file", got) from error
     advice = "these files do not state it: say --motion-unit, or unit = in a scene"
-    unit = must_have(unit, where, "unit", UNIT_NAMES, "none", advice)
+    unit = required(unit, where, UNIT_NAMES, "none", advice, key="unit")
     names = [trace.id for trace in stream]
-    must(
+    require(
         len(set(names)) == len(names),
         where,
-        "",
         "one trace for each channel",
         f"{', '.join(names)}",
         "merge or cut the gaps in ObsPy",
@@ -60,16 +59,23 @@ def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
 
 def _channel(trace: Any, where: str, unit: str) -> Channel:
     name, stats = trace.stats.channel or trace.id, trace.stats
-    must(
+    require(
         not np.issubdtype(trace.data.dtype, np.integer),
         where,
-        name,
         "accelerations",
         "a digitiser's counts",
         "divide them by the sensitivity (ObsPy: remove_sensitivity), or take the processed file",
+        key=name,
     )
     values = np.asarray(trace.data, dtype=np.float64)
-    must(np.isfinite(values).all(), where, name, "finite numbers", "NaN or infinity", "cut the record or fill the gap")
+    require(
+        np.isfinite(values).all(),
+        where,
+        "finite numbers",
+        "NaN or infinity",
+        "cut the record or fill the gap",
+        key=name,
+    )
     orientation, sac = parse_orientation(name), stats.get("sac", {})
     if orientation == ChannelOrientation() and "cmpaz" in sac:
         orientation = ChannelOrientation(float(sac["cmpaz"]) % 360.0)

@@ -17,7 +17,7 @@ from harness.input.motions.recordfile import (
     block,
     parse_orientation,
 )
-from harness.model.errors import must
+from harness.model.errors import require
 from harness.model.finding import caution
 
 MARK = re.compile(r"[^\S\n]*[1-6]\s.*(?:ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR).*\n\*", re.IGNORECASE)
@@ -33,27 +33,27 @@ _LARGEST_INTEGER: Final = 1e10
 def read(lines: list[str], where: str) -> RecordFile:
     """The one channel of an SMC file; InputError where it holds no accelerations, or header or values are incomplete."""
     kind = lines[0].split()[0]
-    must(
+    require(
         kind in ("1", "2"),
         where,
-        "line 1",
         "1 UNCORRECTED or 2 CORRECTED ACCELEROGRAM",
         repr(lines[0].strip()),
         "take the file whose first line says ACCELEROGRAM",
+        key="line 1",
     )
     ints = block(lines, _TEXT_LINES, 48, _INTEGERS, where, "integer header")
     largest = float(np.max(np.abs(ints)))
-    must(largest <= _LARGEST_INTEGER, where, "integer header", "integers of at most ten digits", f"{largest:g}")
+    require(largest <= _LARGEST_INTEGER, where, "integers of at most ten digits", f"{largest:g}", key="integer header")
     reals = block(lines, _TEXT_LINES + _INTEGER_LINES, 50, _REALS, where, "real header")
     first = _TEXT_LINES + _INTEGER_LINES + _REAL_LINES + max(int(ints[_COMMENTS]), 0)
     count, rate = int(ints[_COUNT]), float(reals[_RATE])
     paired = kind == "1" and rate >= _NO_REAL
-    must(
+    require(
         count >= 2 and (paired or 0.0 < rate < 1e5),
         where,
-        "header",
         "a number of values and a sampling rate",
         f"{count} and {rate:g} per second",
+        key="header",
     )
     values = block(lines, first, count, _VALUES, where)
     head = Header(lines[:_TEXT_LINES], where)

@@ -28,7 +28,7 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 from harness.input.text_file import fortran, numbers_at_once
-from harness.model.errors import InputError, must, must_have
+from harness.model.errors import InputError, require, required
 
 _LEAST_NUMBERS: Final = 16
 """Fewer numbers in a row of lines are a header's."""
@@ -111,26 +111,26 @@ def is_unit(cell: str) -> bool:
 
 def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFile:
     """The channels of a text whose layout and unit the user gives; InputError naming what is missing, and the line at fault."""
-    unit = must_have(unit, where, "unit", UNIT_NAMES, "none", "say --motion-unit, or unit = in a scene")
-    must(
+    unit = required(unit, where, UNIT_NAMES, "none", "say --motion-unit, or unit = in a scene", key="unit")
+    require(
         (layout.dt_s is None) != (layout.time_column is None),
         where,
-        "dt, time_column",
         "the step, or the column of times",
         "neither" if layout.dt_s is None else "both",
         "say --dt or --time-column",
+        key="dt, time_column",
     )
     skip = layout.skip_lines or 0
     chosen = layout.columns not in (None, WHOLE)
     rows, places = _rows(text.splitlines(), skip, where, other=chosen)
     if layout.columns == WHOLE:
-        must(
+        require(
             layout.dt_s is not None,
             where,
-            "columns",
             "--dt beside --columns all",
             "a time column",
             "numbers that run on have none",
+            key="columns",
         )
         named, table = {0: "1"}, np.concatenate(rows)[:, None]
     else:
@@ -141,13 +141,13 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
     headers = _headers("\n".join(text.splitlines()[:skip]), table.shape[1])
     for column, name in named.items():
         stated = heading(headers[column])[1]
-        must(
+        require(
             stated in (None, unit),
             where,
-            headers[column],
             f"the unit that the file states, {stated}",
             unit,
             "say that one",
+            key=headers[column],
         )
         refuse_fillers(
             table[:, column],
@@ -157,13 +157,13 @@ def read(text: str, where: str, *, unit: str | None, layout: Layout) -> RecordFi
     clock = SampleClock(0.0, float(layout.dt_s or 0.0), len(table))
     if layout.time_column is not None:
         times = table[:, layout.time_column - 1]
-        must(
+        require(
             not np.isnan(times).any(),
             where,
-            "time_column",
             "times in seconds",
             "dates, times of day or words",
             "say --dt instead",
+            key="time_column",
         )
         clock = clock_of(times, where, tuple(places))
     channels = [
@@ -213,12 +213,12 @@ def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[
         if bulk is not None and bulk.size > 1:
             return list(bulk), [number for number, _ in used]
     rows = [_numbers(line, where, number, dates=other, words=other) for number, line in used]
-    must(
+    require(
         sum(row.size for row in rows) >= 2,
         where,
-        "skip_lines",
         "numbers below the lines skipped",
         f"{len(lines)} lines in all",
+        key="skip_lines",
     )
     return rows, [number for number, _ in used]
 
@@ -235,26 +235,26 @@ def _even_rows(rows: list[Floats], places: list[int], where: str) -> Floats:
 def _named(layout: Layout, width: int, where: str) -> dict[int, str]:
     """The columns (from 0) that hold accelerations, with their names."""
     time = layout.time_column
-    must(time is None or 1 <= time <= width, where, "time_column", f"a column from 1 to {width}", str(time))
+    require(time is None or 1 <= time <= width, where, f"a column from 1 to {width}", str(time), key="time_column")
     if layout.columns is None:
         return {column: str(column + 1) for column in range(width) if column + 1 != time}
     named: dict[int, str] = {}
     for part in layout.columns.split(","):
         number, _, name = part.strip().partition(":")
-        must(
+        require(
             _PLACE.fullmatch(number.strip()) and 1 <= int(number) <= width and int(number) != time,
             where,
-            "columns",
             f'columns from 1 to {width} but the times\', such as "2,3" or "2:N,3:E", or "{WHOLE}"',
             repr(layout.columns),
+            key="columns",
         )
         named[int(number) - 1] = name.strip() or number.strip()
-    must(
+    require(
         len(set(named.values())) == len(layout.columns.split(",")),
         where,
-        "columns",
         "columns and names that differ",
         repr(layout.columns),
+        key="columns",
     )
     return named
 
@@ -289,10 +289,9 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
         layout = replace(layout, dt_s=steps[0])
     else:
         steps = [layout.dt_s, *steps] if layout.dt_s else []
-    must(
+    require(
         not steps or max(steps) <= (1.0 + _SAME) * min(steps),
         where,
-        "",
         "one step",
         " and ".join(f"{each:g} s" for each in dict.fromkeys(steps)),
         CONTRADICTS,
@@ -300,7 +299,7 @@ def proposal(text: str, where: str, *, headed: bool = False) -> str:
     used = [] if samples.ndim == 1 or layout.columns == WHOLE else sorted(_named(layout, rows[0].size, ""))
     stated = {unit for column in used if (unit := heading(headers[column])[1])} or set(_units(head))
     unit, remark = (stated.pop(), "") if len(stated) == 1 else likely_unit(head, float(np.abs(samples).max()))
-    must(not stated, where, "", "one unit in all columns", " and ".join(sorted(stated)), "read them one by one")
+    require(not stated, where, "one unit in all columns", " and ".join(sorted(stated)), "read them one by one")
     if not unit:
         return ""
     record = read(

@@ -14,7 +14,7 @@ from harness.input.motions.recordfile import (
     header_number,
 )
 from harness.input.text_file import fortran
-from harness.model.errors import must
+from harness.model.errors import require
 
 MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE)
 
@@ -22,10 +22,9 @@ MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE
 def read(lines: list[str], where: str) -> RecordFile:
     """All channels; InputError where the header or a column is incomplete."""
     rules = [i for i, line in enumerate(lines) if re.match(r"\s*-{5,}\+", line)]
-    must(
+    require(
         len(rules) >= 2,
         where,
-        "",
         "two ruled lines about the columns' names",
         f"{len(rules)} of them",
         "the file is cut off",
@@ -38,12 +37,12 @@ def read(lines: list[str], where: str) -> RecordFile:
     counts = _behind_slashes(head.needed(r"^NUM\. TOTAL DE MUESTRAS, C1-C6[^:]*:(.*)", "a number of samples")[0])
     peaks = _behind_slashes(head.words(r"^ACEL\. MAX\.?\s*\(Gal\)[^:]*:(.*)"))
     at = _behind_slashes(head.words(r"^ACEL\. MAX[^:]*EN LA MUESTRA[^:]*:(.*)"))
-    must(
+    require(
         len({len(each) for each in (names, steps, counts)}) <= 1,
         where,
-        "header",
         "as many orientations, intervals and numbers of samples",
         f"{len(names)}, {len(steps)} and {len(counts)}",
+        key="header",
     )
     unit = head.unit(r"^UNIDADES DE LOS DATOS\s*:\s*(\S+)", "'UNIDADES DE LOS DATOS' and Gal (cm/s/s)")
     form, place = head.needed(r"^FORMATO DATOS[^:]*:(.*)", "'FORMATO DATOS' and a format such as 3F10.4")

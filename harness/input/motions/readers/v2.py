@@ -19,7 +19,7 @@ from harness.input.motions.recordfile import (
     header_number,
     unit_named,
 )
-from harness.model.errors import must, must_have
+from harness.model.errors import require, required
 
 MARK = re.compile(r"(?s:.{0,180}?)CORRECTED ACCELEROGRAM", re.IGNORECASE)
 """Of CSMIP's volume 2, too; SMC and GeoNet are asked first."""
@@ -38,10 +38,9 @@ _OLD_FORMAT = "(8F10.3)"
 def read(lines: list[str], where: str) -> RecordFile:
     """All channels of a CSMIP V2 file; InputError where values are missing or the unit is unknown."""
     blocks = [(i, said) for i, line in enumerate(lines) if (said := _BLOCK.match(line))]
-    must(
+    require(
         blocks,
         where,
-        "",
         "a line such as '3251 points of accel data equally spaced at .020 sec, in cm/sec2'",
         "none",
         "the file is cut off, or holds no corrected accelerations",
@@ -51,13 +50,13 @@ def read(lines: list[str], where: str) -> RecordFile:
     per_line, _ = fortran_format(part.group(2) or _OLD_FORMAT, where, f"line {last + 1}")
     rows = -(-int(part.group(1)) // per_line)
     check_rows(lines, last + 1, rows, where)
-    must(
+    require(
         not len(parts) % len(blocks) and not any("ACCELEROGRAM" in line.upper() for line in lines[last + 1 + rows :]),
         where,
-        f"line {len(lines)}",
         "as many in each",
         f"{len(parts)} blocks of numbers in {len(blocks)} channels",
         CUT_OFF,
+        key=f"line {len(lines)}",
     )
     heads = [0, *(start + 1 for start, _ in blocks)]
     channels = [_channel(lines, head, *place, where) for head, place in zip(heads, blocks, strict=False)]
@@ -73,17 +72,17 @@ def _channel(lines: list[str], head_from: int, start: int, said: re.Match[str], 
     head = Header([line for line in lines[head_from:start] if not line.startswith("/&")], where)
     # USC's lines need not name the unit: their peak does.
     written = said.group(4) or head.words(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT.replace('(', '(?:')}\s+(\S+?),?\s+AT\b")
-    unit = must_have(unit_named(written), where, place, "accelerations in cm/sec/sec or g", repr(written))
+    unit = required(unit_named(written), where, "accelerations in cm/sec/sec or g", repr(written), key=place)
     form = fortran_format(said.group(5) or _OLD_FORMAT, where, place)
     values = block(lines, start + 1, count, form, where)
     name = head.words(r"CHAN\s+\d+:\s*(\S+)") or head.words(r"\bCOMP(?:ONENT)?\s*:?\s+(\S+)") or "1"
     peak = head.peak(rf"PEAK\s+ACC\w*\.?\s*=\s*{_FLOAT}\s+\S+\s+AT\s+{_FLOAT}")
     largest = float(np.abs(values).max())
-    must(
+    require(
         said.group(4) or abs(largest - abs(peak[0] or 0.0)) <= STATED_PEAK_TOLERANCE * largest,
         where,
-        place,
         f"accelerations in the unit of their peak, {peak[0]} {written}",
         f"a peak of {largest:g}",
+        key=place,
     )
     return Channel.read(name, None, dt_s, values, unit, peak)
