@@ -8,7 +8,7 @@ import pybullet
 
 from harness.engines.pybullet.world import World
 from harness.engines.stepping import settings
-from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector, crossed
+from harness.engines.stepping.step_log import ALONE, Account, Impulse, Ledger, Row, StepLog, Vector, crossed
 from harness.engines.stepping.step_state import StepState
 from harness.engines.stepping.support import SLIDES_M_S
 
@@ -62,7 +62,7 @@ class Gyroscope:
         c = (ix - iy) * (share * u * v - p * q)
         self.torque = a * ax + b * bx + c * cx, a * ay + b * by + c * cy, a * az + b * bz + c * cz
         rate_rad_s = length_s * math.hypot(a / ix, b / iy, c / iz)
-        ledger.of(KIND).write(0.0, 0.0, 0.0, rate_rad_s, length_s * (a * p + b * q + c * r))
+        ledger[KIND].write(0.0, 0.0, 0.0, rate_rad_s, length_s * (a * p + b * q + c * r))
 
     def act(self) -> None:
         """Add the torque foreseen to the step that follows: Bullet forgets it with that."""
@@ -100,7 +100,7 @@ class BulletBackend:
     def __init__(self, world: World, step_s: float, grip_limit: float | None = None) -> None:
         self.world, self.step_s, self.grip_limit = world, step_s, grip_limit
         self.read, self.pull = reader(world), puller(world)
-        self.gyroscope, self.ledger = Gyroscope(world), Ledger()
+        self.gyroscope, self.ledger = Gyroscope(world), Ledger(Account)
         self.row = self.read()
         self.runs = not self.gyroscope.moments
         self.set_length, self.set_floor_friction = world.set_length, world.set_floor_friction
@@ -165,7 +165,7 @@ class BulletBackend:
             if abs(askew_rad) <= IN_LINE_RAD:
                 break
             self.world.turn(-askew_rad)
-            self.ledger.of(AXES_TURNED).steps_again += 1
+            self.ledger[AXES_TURNED].steps_again += 1
             self.place(before)
         self.row = row
         return row

@@ -14,7 +14,7 @@ from pymunk._chipmunk_cffi import lib
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.support import STILL, SupportVertex
 from harness.engines.pymunk.world import State, World, contacts_of
-from harness.engines.stepping.step_log import ALONE, Impulse, Ledger, Row, StepLog, Vector
+from harness.engines.stepping.step_log import ALONE, Account, Impulse, Ledger, Row, StepLog, Vector
 from harness.engines.stepping.step_state import StepState
 
 Pair = tuple[float, float]
@@ -52,7 +52,7 @@ class ChipmunkBackend:
         self.holds, self.slip_m_s, self.least_m_s = False, 0.0, LEAST_SLIDES_M_S2 * self.step_s
         self.near: bool | None = False
         self.iterations, self.owed_m_s = -1, (0.0, 0.0)
-        self.ledger = Ledger()
+        self.ledger = Ledger(Account)
 
     def read(self) -> Row:
         """The bodies' state."""
@@ -178,7 +178,7 @@ class ChipmunkBackend:
 
     def _write(self, states: list[State]) -> None:
         """Bodies one move before these states."""
-        step_s, parts = self.step_s, self.ledger.of("part_of_step")
+        step_s, parts = self.step_s, self.ledger["part_of_step"]
         for body, now, (x, z, angle, u, w, spin) in zip(self.bodies, self.read_states(), states, strict=True):
             old_x, old_z, old_angle, *_ = now
             moved_m = math.hypot(x - u * step_s - old_x, z - w * step_s - old_z)

@@ -109,7 +109,7 @@ class SupportVertex:
         if (not down and abs(excess) < 0.5 * self.depth_m) or abs(excess) > self.slop_m:
             return state
         change_j = -self.mass_kg * self.gravity_m_s2 * excess
-        ledger.of("settle").write(abs(excess), abs(turned - angle), 0.0, 0.0, change_j)
+        ledger["settle"].write(abs(excess), abs(turned - angle), 0.0, 0.0, change_j)
         return x, z - excess, turned, rate_x, rate_z, spin
 
     def _on_circle(
@@ -134,7 +134,7 @@ class SupportVertex:
             owed_x = 0.0
         lost = owed_x * (rate_x - 0.5 * owed_x) + owed_z * (rate_z - 0.5 * owed_z)
         change_j = -self.mass_kg * (self.gravity_m_s2 * excess + lost)
-        account = ledger.of("hold")
+        account = ledger["hold"]
         account.write(math.hypot(ahead, excess), 0.0, math.hypot(owed_x, owed_z), 0.0, change_j)
         account.explain(abs(spin) + abs(gained), self.height_m, self.step_s)
         return x + ahead, z - excess, angle, rate_x - owed_x, rate_z - owed_z, spin

@@ -257,7 +257,7 @@ def locate_event(
         state.turn(room, gaps.foot_m(feet, before))
         at_contact = [(*there[:7], *row[7:13], *there[13:]) for row in (before, state.row)]
         owed, left = gaps.foot_speeds_m_s(feet, before, at_contact, floor.table_place[2], floor.table_rate[2])
-        floor.writer.ledger.of("turn_on").compare(owed, left, events.still * gaps.least_m_s)
+        floor.writer.ledger["turn_on"].compare(owed, left, events.still * gaps.least_m_s)
     contact_s = until()
     if abs(contact_s) > room:
         # What came down no longer does.
@@ -316,7 +316,11 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     """Run `state` to the schedule's end, an overturn, rest, or where it is to leave this world."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, record, falls = StillWatch(watch), state.record, watch.ends_fallen and scene.initial.pose is None
+    still, record, falls = (
+        StillWatch(watch.rest, watch.quiet_from),
+        state.record,
+        watch.ends_fallen and scene.initial.pose is None,
+    )
     state.settle()
     look, leave_look, wall_look, beside = state.number, state.number, state.number, False
     while state.number < schedule.count:
@@ -469,20 +473,23 @@ def _free(state: StepState, steps: float) -> int:
     return min(max(int(steps - state.events.ahead), 1), MOST_FREE) if steps < math.inf else RESTING_FREE
 
 
+@dataclass(eq=False)
 class StillWatch:
-    """Counts the checks in a row at which nothing moved, from the step on from which the table is still."""
+    """Counts the checks in a row at which nothing moved, from the step `next` on, from which the table is still (None: never);
+    `rest` is the statue's axis at rest.
+    """
 
-    def __init__(self, watch: Watch) -> None:
-        self.watch, self.next, self.count = watch, watch.quiet_from, 0
+    rest: Vector
+    next: int | None
+    count: int = 0
 
     def lasts(self, number: int, row: Row, zx: float, zy: float) -> bool:
         """Whether everything has been still long enough."""
         if self.next is None or number < self.next:
             return False
         self.next = number + STILL_CHECK
-        rest = self.watch.rest
         moving = row[7:13] if len(row) == 13 else row[7:13] + row[20:26]
-        upright = max(abs(zx - rest[0]), abs(zy - rest[1])) < STILL_LEAN_RAD
+        upright = max(abs(zx - self.rest[0]), abs(zy - self.rest[1])) < STILL_LEAN_RAD
         self.count = self.count + 1 if upright and max(map(abs, moving)) < STILL_M_S else 0
         return self.count >= STILL_CHECKS
 

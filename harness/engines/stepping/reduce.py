@@ -512,7 +512,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         "statue_slip_m": float(np.abs(slid_m).max()),
         "statue_flight_m": float(max(gap_m.max(), 0.0)),
         "penetration_m": float(max(-over.min(), 0.0)),
-        "energy_gained_j": support.energy_gained_j(lost_j),
+        # The largest fall of what is lost: energy from nowhere.
+        "energy_gained_j": float((np.maximum.accumulate(lost_j) - lost_j).max()),
         "impact_ratios": list(cycles.impact_ratios),
         **plain,
         **in_space,

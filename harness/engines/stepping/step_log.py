@@ -152,19 +152,12 @@ class Account:
         self.solver_m_s = max(self.solver_m_s, solver_m_s)
 
 
-class Ledger:
-    """The accounts of a run by kind."""
-
-    def __init__(self) -> None:
-        self.kinds: defaultdict[str, Account] = defaultdict(Account)
-
-    def of(self, kind: str) -> Account:
-        """The account of a kind, empty at first."""
-        return self.kinds[kind]
+class Ledger(defaultdict[str, Account]):
+    """The accounts of a run by kind, `Ledger(Account)`: each is empty at first."""
 
     def record(self) -> Mapping[str, Intervention]:
         """What was written by kind. Raises `LayerFault` where the steps do not explain it."""
-        for kind, sums in self.kinds.items():
+        for kind, sums in self.items():
             most = MOST_EXPLAINED * sums.explained_m_s
             if sums.explained_m_s > 0.0 and not sums.velocity_m_s <= most:
                 raise LayerFault("velocities_unexplained", **{f"{kind}_m_s": sums.velocity_m_s, "explained_m_s": most})
@@ -172,7 +165,7 @@ class Ledger:
                 raise LayerFault("wrong_sense", **{f"{kind}_left_m_s": sums.left_m_s, "owed_m_s": sums.owed_m_s})
         return {
             kind: Intervention(**{name: getattr(sums, name) for name in Intervention.__dataclass_fields__})
-            for kind, sums in self.kinds.items()
+            for kind, sums in self.items()
         }
 
 
@@ -188,7 +181,7 @@ class StepLog:
     t_s: list[float] = field(default_factory=list)
     kick_s: list[float] = field(default_factory=list)
     flat: array[float] = field(default_factory=lambda: array("d"))
-    ledger: Ledger = field(default_factory=Ledger)
+    ledger: Ledger = field(default_factory=lambda: Ledger(Account))
     rested: bool = False
     at_rest: int = 0
 

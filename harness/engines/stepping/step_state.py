@@ -21,6 +21,7 @@ from harness.engines.stepping.coulomb import SLIP_ONSET, Pair
 from harness.engines.stepping.frame import Schedule, matrices
 from harness.engines.stepping.step_log import (
     ALONE,
+    Account,
     Impulse,
     Ledger,
     Row,
@@ -168,7 +169,7 @@ class RowWriter:
     """Writes rows to statue and pedestal of one world of an engine."""
 
     def __init__(self, backend: Backend, scene: Scene) -> None:
-        self.backend, self.ledger, self.gravity_m_s2 = backend, Ledger(), scene.gravity_m_s2
+        self.backend, self.ledger, self.gravity_m_s2 = backend, Ledger(Account), scene.gravity_m_s2
         statue, pedestal = scene.statue, scene.pedestal
         self.inertias = [(statue.mass_kg, statue.inertia_kg_m2)]
         if pedestal is not None:
@@ -189,7 +190,7 @@ class RowWriter:
                 joules += 0.5 * mass * (sum(v * v for v in new[7:10]) - sum(v * v for v in old[7:10]))
                 # Angular velocities are changed in the rocking plane alone, about y.
                 joules += 0.5 * inertia * (new[11] ** 2 - old[11] ** 2)
-        self.ledger.of(kind).write(moved_m, turned_rad, velocity_m_s, rate_rad_s, joules)
+        self.ledger[kind].write(moved_m, turned_rad, velocity_m_s, rate_rad_s, joules)
         self.backend.place(after)
 
 
@@ -303,7 +304,7 @@ class Stepper:
     def _again(self, before: Row, kind: str = SLIP_ONSET) -> None:
         """Back to where the step began, which is to be solved again."""
         self.backend.place(before)
-        self.writer.ledger.of(kind).steps_again += 1
+        self.writer.ledger[kind].steps_again += 1
 
     def redo_sliding(self, friction: float, gravity: Vector, before: Row) -> Row:
         """A step in which the pedestal was let loose again, with the coefficient that acts over it: the static one holds it."""
@@ -554,7 +555,7 @@ class StepState:
         """
         row, spin = self.row, self.row[10:13]
         a, b, c = crossed(spin, crossed(spin, foot_m))
-        self.stepper.writer.ledger.of("turn_on").explain(math.hypot(*spin), math.hypot(*foot_m), self.step_s)
+        self.stepper.writer.ledger["turn_on"].explain(math.hypot(*spin), math.hypot(*foot_m), self.step_s)
         turned = (row[7] - seconds * a, row[8] - seconds * b, row[9] - seconds * c)
         self._write("turn_on", (*row[:7], *turned, *row[10:]))
 

@@ -298,11 +298,6 @@ def energy_lost_j(scene: Scene, trajectory: Trajectory, energy: Array) -> Array:
     return np.asarray(given - energy)
 
 
-def energy_gained_j(lost_j: Array) -> float:
-    """Largest fall, J, of what is lost (`energy_lost_j`): energy from nowhere."""
-    return float((np.maximum.accumulate(lost_j) - lost_j).max())
-
-
 def lost_in_impacts_j(t_s: Array, lost_j: Array, impact_times_s: Sequence[float]) -> float:
     """What is lost, J, in the steps around the impacts: one before each to two after, as a solver's contact settles in two."""
     after = np.searchsorted(t_s, np.array(impact_times_s))

@@ -9,7 +9,7 @@ import pytest
 
 from harness import Run, RunOptions, Scene, engines
 from harness.engines.base import LayerFault
-from harness.engines.stepping.step_log import Ledger
+from harness.engines.stepping.step_log import Account, Ledger
 from harness.engines.stepping.step_state import RowWriter
 from harness.records import base
 from tests import budgets_engines as budget
@@ -90,9 +90,9 @@ def test_the_record_tells_what_was_written(name: str) -> None:
 
 
 def test_energy_and_changes_are_added_up_by_kind() -> None:
-    ledger = Ledger()
+    ledger = Ledger(Account)
     for change_j in (2.0, -3.0, 1.0):
-        ledger.of("hold").write(1e-3, 2e-3, 3e-3, 4e-3, change_j)
+        ledger["hold"].write(1e-3, 2e-3, 3e-3, 4e-3, change_j)
     sums = ledger.record()["hold"]
     assert (sums.count, sums.given_j, sums.taken_j) == (3, 3.0, 3.0)
     assert (sums.moved_m, sums.turned_rad, sums.velocity_m_s, sums.rate_rad_s) == pytest.approx(
@@ -101,11 +101,11 @@ def test_energy_and_changes_are_added_up_by_kind() -> None:
 
 
 def test_what_the_steps_do_not_explain_fails_the_run() -> None:
-    ledger = Ledger()
-    ledger.of("turn_on").explain(rate_rad_s=0.5, arm_m=1.0, step_s=1e-3)
-    ledger.of("turn_on").velocity_m_s = 0.5**2 * 1e-3
+    ledger = Ledger(Account)
+    ledger["turn_on"].explain(rate_rad_s=0.5, arm_m=1.0, step_s=1e-3)
+    ledger["turn_on"].velocity_m_s = 0.5**2 * 1e-3
     assert ledger.record()["turn_on"].velocity_m_s > 0.0
-    ledger.of("turn_on").velocity_m_s *= 4.0
+    ledger["turn_on"].velocity_m_s *= 4.0
     with pytest.raises(LayerFault) as fault:
         ledger.record()
     assert fault.value.code == "velocities_unexplained"
