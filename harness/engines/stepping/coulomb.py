@@ -69,8 +69,9 @@ HARD: Final = 2.0
 """A normal force above so many weights is an impact's, and"""
 BESIDE: Final = 2
 """so many steps beside it do not tell forces: velocities of the middles of steps are taken over to their ends."""
-SMOOTH: Final = 1e-2
-"""A coefficient below this is held to as much: of none at all no share can be taken."""
+SMOOTH, SMOOTH_PER_S = 1e-2, 25.0
+"""A coefficient below this, and below so much times the step, is held to as much: of none at all no share can be taken, and what
+a step of 4 ms leaves unread comes to 3e-3 of the normal force in a statue that falls fast over a pedestal that slides."""
 AT_LIMIT: Final = 1e-3
 """A release acted with the static coefficient when its friction is so near to it, as a share of μ_s − μ_k."""
 AS_STATIC: Final = 3
@@ -115,9 +116,10 @@ def check_friction(
     # As it comes to rest a step's force is read from velocities of which one is of its sliding.
     settled = np.maximum(before, np.concatenate([[0.0], before[:-1]])) <= still_m_s
     held = counted & ~hard & settled & (after <= still_m_s)
-    most = MOST_OVER * max(1.0, float(np.median(np.diff(motion.t_s))) / COARSE_S)
+    step_s = float(np.median(np.diff(motion.t_s)))
+    most, least = MOST_OVER * max(1.0, step_s / COARSE_S), max(SMOOTH, SMOOTH_PER_S * step_s)
     for name, coefficient, which in (("sliding", kinetic, sliding), ("held", static, held)):
-        over = _over(friction, coefficient, normal, which)
+        over = _over(friction, coefficient, normal, which, least)
         if over > most:
             raise LayerFault(f"friction_{name}", over_its_limit=over)
     if interventions is None or static == kinetic:
@@ -159,9 +161,9 @@ def _unread_n_s(scene: Scene, motion: Trajectory) -> Array:
     return np.asarray(statue.mass_kg * arm_m * step_s * spin * (gained + 0.5 * spin * spin * step_s))
 
 
-def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_]) -> float:
-    """Share by which friction exceeds its limit over the steps in question, 0 for too few of them."""
+def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_], least: float) -> float:
+    """Share by which friction exceeds its limit (of a `least` coefficient) over the steps in question, 0 for too few of them."""
     if which.sum() < LEAST_STEPS:
         return 0.0
     excess = np.maximum(friction[which] - coefficient * normal[which], 0.0).sum()
-    return float(excess / (max(coefficient, SMOOTH) * normal[which].sum()))
+    return float(excess / (max(coefficient, least) * normal[which].sum()))

@@ -8,7 +8,7 @@ from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Pulse
 from harness import RunOptions, simulate
 from harness.engines.base import LayerFault
-from harness.model.scene import BaseExcitation, Scene
+from harness.model.scene import BaseExcitation, Initial, Scene
 from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed
 from tests.measures.seeded_scenes import GENERATORS
@@ -59,3 +59,12 @@ def test_what_once_failed_a_right_run_does_not(generator: str, seed: int) -> Non
     """Two corrections of a statue that slides on its support; a pedestal that creeps by 4e-6 m and never breaks loose."""
     ready("pybullet")
     assert not simulate(GENERATORS[generator](seed), "pybullet").outcome.failed
+
+
+@pytest.mark.parametrize("theta_rad", [0.2, 0.6])
+def test_a_statue_that_falls_fast_over_a_sliding_pedestal_fails_no_check(theta_rad: float) -> None:
+    """What a step of 4 ms leaves unread of the floor's friction is 3e-3 of the normal force, however small its coefficient."""
+    push = BaseExcitation(Pulse("rectangular", 0.8 * G, 0.6, 0.1))
+    falls = replace(paestum(mu=(0.053, 0.043)), initial=Initial(theta_rad=theta_rad), base_excitation=push)
+    engine = ready("pymunk")
+    assert engine.simulate(falls, engine.refinement_levels(falls)[0], RunOptions()).history is not None
