@@ -36,10 +36,11 @@ REST_TIMES: Final = 20.0
 statue of more: with an aim of so many times what a level is expected to err by, what they lose alike is seen to grow."""
 
 
-def _by_model(scene: Scene, settings: Settings | None = None) -> Run:
+def by_model(scene: Scene, settings: Settings | None = None, options: RunOptions | None = None) -> Run:
     """One run of the model, by its finest settings where none are given. Raises `EngineFailure` where it refuses the scene."""
     model = engines.load(MODEL)
-    return model.simulate(scene, settings or model.refinement_levels(scene)[-1], RunOptions(stated=False))
+    finest = model.refinement_levels(scene)[-1]
+    return model.simulate(scene, settings or finest, options or RunOptions(stated=False))
 
 
 def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
@@ -50,9 +51,9 @@ def outgrown_s(scene: Scene, error_rad: float, target_rad: float) -> float:
     too, where it refuses the scene or has left its domain by then.
     """
     try:
-        run = _by_model(scene)
-        others = [_by_model(each) for each in perturbed(scene, PERTURBED_SHARE * error_rad)]
-        others.append(_by_model(scene, TwoBlockSettings(0.0, error_rad, REST_TIMES * error_rad)))
+        run = by_model(scene)
+        others = [by_model(each) for each in perturbed(scene, PERTURBED_SHARE * error_rad)]
+        others.append(by_model(scene, TwoBlockSettings(0.0, error_rad, REST_TIMES * error_rad)))
     except EngineFailure:
         return math.inf
     if run.history is None:
@@ -79,11 +80,11 @@ def unseen_tipping_s(scene: Scene, run: Run, error_rad: float) -> float:
     if pedestal is None or tilt_rad > SEEN * error_rad:
         return math.inf
     try:
-        validity = _by_model(scene).validity
+        validity = by_model(scene).validity
         if validity.get("left_domain_by") != "pedestal_tips":
             return math.inf
         one = replace(scene, statue=as_one(scene.statue, pedestal), pedestal=None)
-        together = _by_model(one)
+        together = by_model(one)
     except EngineFailure:
         return math.inf
     unseen = abs(together.peak_theta_rad) > max(error_rad, SEEN * tilt_rad)
@@ -169,10 +170,10 @@ def perturbed(scene: Scene, size: float) -> tuple[Scene, ...]:
     thrown = replace(scene, initial=start.plus(0.0, side * size * p))
     if scene.base_excitation.still:
         return leaning, thrown
-    return leaning, thrown, shaken(scene, 1.0 + size), shaken(scene, 1.0 - size)
+    return leaning, thrown, amplified(scene, 1.0 + size), amplified(scene, 1.0 - size)
 
 
-def shaken(scene: Scene, factor: float) -> Scene:
+def amplified(scene: Scene, factor: float) -> Scene:
     """The scene with all its motion multiplied by a factor."""
     return replace(scene, base_excitation=scene.base_excitation.scaled(factor))
 

@@ -17,11 +17,11 @@ from typing import Final
 from harness.accuracy.horizon import (
     MOST_ORDER,
     PERTURBED_SHARE,
+    amplified,
     hopeless,
     last_s,
     outgrown_s,
     several_slides_s,
-    shaken,
     unseen_tipping_s,
 )
 from harness.accuracy.spread import (
@@ -52,7 +52,7 @@ PARTED: Final = 4.0
 def stronger(scene: Scene, share: float) -> Scene:
     """The scene with all its motion, or without any its start, stronger by this share."""
     if not scene.base_excitation.still:
-        return shaken(scene, 1.0 + share)
+        return amplified(scene, 1.0 + share)
     start = scene.initial
     if start.pose is not None:
         pose = start.pose.faster(1.0 + share)

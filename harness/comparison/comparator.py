@@ -70,11 +70,6 @@ class Side:
         return self.outcome is Outcome.STANDS
 
     @property
-    def is_still(self) -> bool:
-        """Whether its statue stands and is not said to rock, in the plane or out of it."""
-        return self.rests and max(abs(self.peak.theta_rad), self.out_of_plane_rad) < STILL_RAD
-
-    @property
     def open_rad(self) -> float:
         """How far the rotation may be off: its numerical error, zero where none is stated, and the digits it was written with."""
         return (self.uncertainty_rad or 0.0) + self.resolution_rad
@@ -177,7 +172,9 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
     Rotations are held against twice the joint uncertainty of the rotations, slips against twice that of the slips; where neither
     statue rocks, however exact the two are, rotations against what no lean is told of.
     """
-    turned = max(COVERAGE * (a.open_rad + b.open_rad), STILL_RAD if a.is_still and b.is_still else ROUNDING)
+    # Two statues that stand and are not said to rock, in the plane or out of it.
+    still = all(side.rests and max(abs(side.peak.theta_rad), side.out_of_plane_rad) < STILL_RAD for side in (a, b))
+    turned = max(COVERAGE * (a.open_rad + b.open_rad), STILL_RAD if still else ROUNDING)
     slid = max(COVERAGE * (a.open_m + b.open_m), ROUNDING)
     until_s = min(a.until_s, b.until_s)
     rotation, slip = differences(a, b, both, (turned, slid), until_s)

@@ -14,6 +14,7 @@ from pydantic import JsonValue, ValidationError
 
 from analytic.excitation import Harmonic, ZeroExcitation
 from harness import engines
+from harness.accuracy.horizon import amplified
 from harness.engines import stands_alone
 from harness.input.uncertain import assumption
 from harness.model import two_block as twoblock
@@ -182,7 +183,7 @@ def _changed(scene: Scene, key: str, value: float) -> Scene:
     if key in floors:
         return replace(scene, contact=contact.with_floor(*floors[key]))
     if key == "motion.scale":
-        return replace(scene, base_excitation=base_excitation.scaled(value / file_scale(scene)))
+        return amplified(scene, value / file_scale(scene))
     if key == TIME_SCALE:
         start = scene.initial
         return replace(

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness import engines
+from harness.accuracy.horizon import by_model
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad as difference_rad
 from harness.engines.base import Engine, EngineFailure, Settings
@@ -382,8 +383,7 @@ def row_of(hard: Hard) -> HardRow:
 
 def solution(scene: Scene) -> Run:
     """The analytic solution on its finest level, with nothing left out."""
-    engine = engines.load("analytic")
-    return engine.simulate(scene, engine.refinement_levels(scene)[-1], RunOptions(skips=frozenset()))
+    return by_model(scene, options=RunOptions(skips=frozenset()))
 
 
 def judged(hard: Hard, scene: Scene, run: Run, exact: Run | None, share: float = 1.0) -> list[Measure]:

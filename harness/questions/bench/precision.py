@@ -8,6 +8,7 @@ from itertools import zip_longest
 from typing import Final
 
 from harness import engines
+from harness.accuracy.horizon import by_model
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
@@ -57,8 +58,7 @@ def died(name: str) -> list[PrecisionRow]:
 
 def rows_of(item: Standard, scene: Scene, names: Sequence[str], *, quick: bool) -> Iterator[PrecisionRow]:
     """The rows of one scene: each engine's levels, and what the target takes."""
-    model = engines.load("analytic")
-    exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions())
+    exact = by_model(scene, options=RunOptions())
     for name in names:
         engine = engines.load(name)
         if item.spatial and engine.capabilities.dimensions < 3:

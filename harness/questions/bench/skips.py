@@ -288,9 +288,8 @@ def level(engine: Engine, scene: Scene, expected_rad: float = ENGINE_ACCURACY_RA
 
 def simulate(engine: Engine, scene: Scene, options: RunOptions, expected_rad: float = ENGINE_ACCURACY_RAD) -> Run:
     """One run of the outcome study: certified, or on the level that an outcome needs."""
-    if engine.capabilities.certifies:
-        return run_to_accuracy(engine, scene, 1e-3, options)
-    return engine.simulate(scene, level(engine, scene, expected_rad), options)
+    aimed_rad = 1e-3 if engine.capabilities.certifies else expected_rad
+    return engine.simulate(scene, level(engine, scene, aimed_rad), options)
 
 
 def _imports() -> SkipRow:

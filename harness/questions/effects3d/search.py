@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from analytic.excitation import ZeroExcitation
+from harness.accuracy.horizon import amplified
 from harness.accuracy.simulation import simulate
 from harness.engines.spatial import LEVELS, problem_of
 from harness.input.mesh_statue import statue_of
@@ -67,11 +68,6 @@ def with_solid(scene: Scene, solid: Solid) -> Scene:
 def turned(scene: Scene, azimuth_deg: float) -> Scene:
     """The scene with the statue turned so that the floor shakes along `azimuth_deg` of the statue's own frame."""
     return with_solid(scene, solid_of(scene).rotated(-azimuth_deg))
-
-
-def amplified(scene: Scene, factor: float) -> Scene:
-    """The scene with all components of the motion scaled alike."""
-    return replace(scene, base_excitation=scene.base_excitation.scaled(factor))
 
 
 def _along(scene: Scene, axes: str) -> Scene:

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Final, Literal, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
+from harness.accuracy.horizon import amplified
 from harness.input.mistakes import Contradiction, UserTable
 from harness.input.tables import read_model
 from harness.model import run as record
@@ -29,7 +30,6 @@ from harness.questions.effects3d.search import (
     GEOMETRY_REL,
     STEPS,
     Search,
-    amplified,
     changed_scene,
     departure,
     find,

@@ -46,7 +46,7 @@ def _without_products(scene: Scene) -> Scene | None:
 def _along_the_plane(scene: Scene) -> Scene | None:
     if isinstance(scene.base_excitation.y, ZeroExcitation):
         return None
-    return replace(scene, base_excitation=replace(scene.base_excitation, y=ZeroExcitation()))
+    return replace(scene, base_excitation=scene.base_excitation.in_plane())
 
 
 def _on_edges(scene: Scene) -> Scene | None:

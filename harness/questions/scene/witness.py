@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Final
 
 from harness import engines
-from harness.accuracy.horizon import PERTURBED_SHARE, outgrown_s
+from harness.accuracy.horizon import MODEL, PERTURBED_SHARE, by_model, outgrown_s
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.accuracy.spread import Error, spread, target_of
 from harness.comparison.comparator import compare
@@ -292,7 +292,6 @@ def _why_no_further(own: Run, plain: Run, bounded_s: float, reached_s: float, wa
 # Where the floor has two coefficients, which of them acts there is a choice between laws (docs/model.md, section 3).
 
 KEY: Final = "contact.floor_impact"
-MODEL: Final = "analytic"
 
 
 def _by_another(scene: Scene) -> tuple[Run, float] | None:
@@ -344,9 +343,8 @@ def under_static(scene: Scene, runs: Mapping[str, Run]) -> tuple[Scene, dict[str
     static = replace(scene, contact=replace(contact, floor_impact="static"))
     held = {name: replace(run, reliable_until_s=min(run.bounded_until_s, found[1])) for name, run in runs.items()}
     if MODEL in runs:
-        engine = engines.load(MODEL)
         try:
-            held[MODEL] = engine.simulate(static, engine.refinement_levels(static)[-1], RunOptions())
+            held[MODEL] = by_model(static, options=RunOptions())
         except EngineFailure:
             return scene, dict(runs)
     return static, held
