@@ -5,44 +5,30 @@ from __future__ import annotations
 from typing import Final
 
 # Kinds of motion.
-NONE: Final = 0
-HARMONIC: Final = 1
-RECTANGULAR: Final = 2
-SINE: Final = 3
-COSINE: Final = 4
-RICKER: Final = 5
-SAMPLED: Final = 6
+NONE, HARMONIC, RECTANGULAR, SINE, COSINE, RICKER, SAMPLED = range(7)
 PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": COSINE, "ricker": RICKER}
 
 # Outcomes.
-RUNNING: Final = 0
-STANDS: Final = 1
-OVERTURNED_LEFT: Final = 2
-OVERTURNED_RIGHT: Final = 3
-TOUCHES_WALL: Final = 4
-LIFT_OFF: Final = 5
-FRICTION_PARADOX: Final = 6
-UNDECIDED: Final = 7
+RUNNING, STANDS, OVERTURNED_LEFT, OVERTURNED_RIGHT, TOUCHES_WALL, LIFT_OFF, FRICTION_PARADOX, UNDECIDED = range(8)
 
 # Events.
-NO_EVENT: Final = 0
-UPLIFT: Final = 1
-SLIP_ONSET: Final = 2
-STICK_ONSET: Final = 3
-IMPACT: Final = 4
-BREAK: Final = 5
-AT_LIMIT: Final = 6
-AT_WALL: Final = 7
-LOST_CONTACT: Final = 8
-NO_SOLUTION: Final = 9
-BEGIN: Final = 10
-FINISH: Final = 11
+(
+    NO_EVENT,
+    UPLIFT,
+    SLIP_ONSET,
+    STICK_ONSET,
+    IMPACT,
+    BREAK,
+    AT_LIMIT,
+    AT_WALL,
+    LOST_CONTACT,
+    NO_SOLUTION,
+    BEGIN,
+    FINISH,
+) = range(12)
 
 # Choices of `analytic.block.CHOICES`.
 MOVING: Final = 1
 
-# By what a run left the model's domain.
-BY_PIVOT_SLIP: Final = 1
-BY_LOST_CONTACT: Final = 2
-BY_TIPPING: Final = 3
-BY_LEAN: Final = 4
+# By what a run left the model's domain: from 1 on, 0 while it is inside.
+BY_PIVOT_SLIP, BY_LOST_CONTACT, BY_TIPPING, BY_LEAN = range(1, 5)

@@ -9,19 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
-from typing import Any, ClassVar, Final, Generic, ParamSpec, TypeVar
+from typing import Any, ClassVar, Final, Generic, ParamSpec, Protocol, TypeVar
 
 import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba import from_dtype, types
-from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUTarget, cpu_target
 from numba.extending import intrinsic
 
-from analytic.kernel.records import EVENT_ROW, EventRow, Floats
+from analytic.kernel.records import Floats
 
 FUSED: Final = {"contract"}
 """Of all liberties only the fused a·b + c, rounded once where the processor has it. A mirrored run keeps its bits, and so does
@@ -30,6 +29,7 @@ OPTIONS: Final[dict[str, object]] = {"nogil": True, "error_model": "numpy", "fas
 """A sweep's threads run at once; a division by nought gives infinity, without a branch for an exception."""
 P = ParamSpec("P")
 R = TypeVar("R")
+Item = TypeVar("Item")
 
 
 class _Part(JITCodeLibrary):
@@ -177,73 +177,45 @@ def inlined(function: Callable[P, R]) -> Inner[P, R]:
 # step.
 
 
-def _pointer(context: Any, builder: Any, address: Any, i: Any) -> Any:
-    pointer = builder.inttoptr(address, context.get_value_type(types.float64).as_pointer())
-    return builder.gep(pointer, [i])
+class Cell(Protocol[Item]):
+    """One place of a table: what stands there, a record by its address, to be read or written as a whole or field by field."""
+
+    item: Item
 
 
-def _load(typing_context: Any, address: Any, i: Any) -> Any:
-    """Item i of the doubles at the address."""
+def cell_at(kind: Any, item: type[Item]) -> Callable[[int, int], Cell[Item]]:
+    """The compiled function of an address and i that gives cell i of a table of numbers or records there: `kind` to numpy,
+    `item` to the type checker."""
+    record = np.dtype([("item", kind)], align=True)
+    cell: Any = from_dtype(record)
 
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load(_pointer(context, builder, *arguments))
-
-    return types.float64(types.int64, types.int64), code
-
-
-def _store(typing_context: Any, address: Any, i: Any, value: Any) -> Any:
-    """Write item i of the doubles at the address."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        builder.store(arguments[2], _pointer(context, builder, *arguments[:2]))
-        return context.get_dummy_value()
-
-    return types.none(types.int64, types.int64, types.float64), code
-
-
-copy: Callable[..., Any] = cgutils.raw_memcpy
-
-
-def _row(record: np.dtype[np.void]) -> Any:
-    """What finds row i of a table of such records at an address."""
-    kind: Any = from_dtype(record)
-
-    def row(typing_context: Any, address: Any, i: Any) -> Any:
+    def find(typing_context: Any, address: Any, i: Any) -> Any:
         def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             address, i = arguments
-            # A record is known by its address: no row is copied, and a field that is written lands in the caller's table.
+            # A record is known by its address: nothing is copied, and what is written lands in the caller's table.
             offset = builder.mul(i, context.get_constant(types.int64, record.itemsize))
-            return builder.inttoptr(builder.add(address, offset), context.get_value_type(kind))
+            return builder.inttoptr(builder.add(address, offset), context.get_value_type(cell))
 
-        return kind(types.int64, types.int64), code
+        return cell(types.int64, types.int64), code
 
-    return row
-
-
-def _set_row(typing_context: Any, row: Any, record: Any) -> Any:
-    """Write all fields of a row of a table at once."""
-
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        target, source = arguments
-        copy(builder, target, source, context.get_constant(types.int64, record.size), 1)
-        return context.get_dummy_value()
-
-    return types.none(row, record), code
+    compiled: Any = intrinsic
+    made: Callable[[int, int], Cell[Item]] = compiled(find)
+    return made
 
 
-def _intrinsic(function: Any) -> Any:
-    return intrinsic(function)
+double: Final = cell_at(np.float64, float)
 
 
-def row_at(record: np.dtype[np.void]) -> Any:
-    """The compiled function of an address and i that gives row i of a table of such records."""
-    return _intrinsic(_row(record))
+@inlined
+def load_double(address: int, i: int) -> float:
+    """Item i of the doubles at the address."""
+    return double(address, i).item
 
 
-load_double: Callable[[int, int], float] = _intrinsic(_load)
-store_double: Callable[[int, int, float], None] = _intrinsic(_store)
-event_row: Callable[[int, int], EventRow] = row_at(EVENT_ROW)
-set_row: Callable[[Any, Any], None] = _intrinsic(_set_row)
+@inlined
+def store_double(address: int, i: int, value: float) -> None:
+    """Write item i of the doubles at the address."""
+    double(address, i).item = value
 
 
 @inlined

@@ -63,6 +63,24 @@ def _measure(task: Task, row: Floats, n: int, sign: float, level: float) -> None
 
 
 @inlined
+def _seek(
+    task: Task,
+    row: Floats,
+    n: int,
+    sign: float,
+    level: float,
+    h: float,
+    lo: int,
+    kind: int,
+    side: int,
+    best: FirstEvent,
+) -> FirstEvent:
+    """The earlier of best and the first root of sign (row − level), of which lo leading terms are zero."""
+    _measure(task, row, n, sign, level)
+    return _search(task, n, h, lo, kind, side, best)
+
+
+@inlined
 def _clear(row: Floats, h: float, sign: float, level: float, rest: float) -> bool:
     """Whether sign (row − level) certainly stays positive, its terms from the second on summing up to rest at most."""
     start, first = sign * (row[0] - level), sign * row[1] * h
@@ -102,21 +120,19 @@ def _bounds(task: Task, n: int, h: float) -> Bounds:
 @inlined
 def _rotation(task: Task, n: int, h: float, rest: float, best: FirstEvent) -> FirstEvent:
     """Impact on the facets at either side of the pivot, and the overturning limit."""
-    pivot, series, last = task.state.pivot, task.series, task.base.n_facets
+    pivot, series, last, limit = task.state.pivot, task.series, task.base.n_facets, task.params.overturn_rad
     for side in (-1, 1):
         j = pivot if side > 0 else pivot - 1
         if 0 <= j < last:
             angle = load_double(task.base.facets, j)
             if _clear(series.theta, h, -side, angle, rest):
                 continue
-            _measure(task, series.theta, n, -side, angle)
             lo = 0
-            if series.event[0] == 0.0:
+            if series.theta[0] == angle:
                 lo = 1 if series.theta_rate[0] != 0.0 else 1 + theta_rate_zeros(task, n)
-            best = _search(task, n, h, lo, codes.IMPACT, j, best)
-        elif not _clear(series.theta, h, -side, side * task.params.overturn_rad, rest):
-            _measure(task, series.theta, n, -side, side * task.params.overturn_rad)
-            best = _search(task, n, h, 0, codes.AT_LIMIT, side, best)
+            best = _seek(task, series.theta, n, -side, angle, h, lo, codes.IMPACT, j, best)
+        elif not _clear(series.theta, h, -side, side * limit, rest):
+            best = _seek(task, series.theta, n, -side, side * limit, h, 0, codes.AT_LIMIT, side, best)
     return best
 
 
@@ -145,15 +161,12 @@ def _contact(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) -> 
     state, series = task.state, task.series
     if state.pivot < 0:
         if task.motion_z.degree > 0 or series.gravity[0] <= 0.0:
-            _measure(task, series.gravity, n, 1.0, 0.0)
-            return _search(task, n, h, 0, codes.LOST_CONTACT, 0, best)
+            return _seek(task, series.gravity, n, 1.0, 0.0, h, 0, codes.LOST_CONTACT, 0, best)
         return best
     if not _clear(series.pivot_normal, h, 1.0, 0.0, bounds.pivot_normal) and not falling(task):
-        _measure(task, series.pivot_normal, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, h, 0, codes.LOST_CONTACT, 0, best)
+        best = _seek(task, series.pivot_normal, n - 1, 1.0, 0.0, h, 0, codes.LOST_CONTACT, 0, best)
     if task.params.has_pedestal and not _clear(series.floor_normal, h, 1.0, 0.0, bounds.floor_normal):
-        _measure(task, series.floor_normal, n - 1, 1.0, 0.0)
-        best = _search(task, n - 1, h, 0, codes.LOST_CONTACT, 1, best)
+        best = _seek(task, series.floor_normal, n - 1, 1.0, 0.0, h, 0, codes.LOST_CONTACT, 1, best)
     if state.slide != 0 and not _solvable(task, n):
         best = _search(task, n - 1, h, 0, codes.NO_SOLUTION, 0, best)
     return best
@@ -176,8 +189,7 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
     if state.slide != 0:
         if not _clear(series.slip_rate, h, state.slide, 0.0, bounds.friction):
             lo = slip_rate_zeros(task, state.pivot, n) if series.slip_rate[0] == 0.0 else 0
-            _measure(task, series.slip_rate, n, state.slide, 0.0)
-            best = _search(task, n, h, lo, codes.STICK_ONSET, state.slide, best)
+            best = _seek(task, series.slip_rate, n, state.slide, 0.0, h, lo, codes.STICK_ONSET, state.slide, best)
         return best
     rest = (
         math.inf
@@ -216,8 +228,7 @@ def _wall(task: Task, n: int, h: float, turning: float, best: FirstEvent) -> Fir
     turned = abs(series.theta_rate[0]) * h + turning if rocks else 0.0
     slid = _carried(series.slip, n, h, 1) if slides else 0.0
     if slides and side * series.slip[0] + slid >= params.wall_pedestal_m:
-        _measure(task, series.slip, n, -side, side * params.wall_pedestal_m)
-        best = _search(task, n, h, 0, codes.AT_WALL, side, best)
+        best = _seek(task, series.slip, n, -side, side * params.wall_pedestal_m, h, 0, codes.AT_WALL, side, best)
     pivot = state.pivot if rocks else state.facet
     x, z = vertex(task, pivot)
     pivot_x, pivot_z = series.pivot_x[0], series.pivot_z[0]

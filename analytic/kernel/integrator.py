@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
 
 from analytic.kernel import codes
-from analytic.kernel.compiler import inlined, jit, load_double, row_at, set_row
+from analytic.kernel.compiler import cell_at, inlined, jit, load_double
 from analytic.kernel.dynamics import expand
 from analytic.kernel.energy import decide, skip_quiet
 from analytic.kernel.events import first_event
@@ -34,6 +33,7 @@ from analytic.kernel.records import (
     Results,
     State,
     Task,
+    row,
 )
 from analytic.kernel.track import advance, change_state, note_event, note_step, sample_end
 
@@ -47,6 +47,7 @@ MAX_STEPS: Final = 5_000_000
 
 BLANK: Final = np.zeros(1, TASK)
 """A run before its start: the same memory serves many runs one after another."""
+BLANK["results"] = row(Results())
 
 
 @inlined
@@ -87,6 +88,10 @@ def _expand_step(task: Task, h: float) -> tuple[int, float]:
     return reached, h
 
 
+ENDINGS: Final = (codes.OVERTURNED_RIGHT, codes.TOUCHES_WALL, codes.LIFT_OFF, codes.FRICTION_PARADOX)
+"""Outcomes of the events from `AT_LIMIT` to `NO_SOLUTION`; to the left another one overturns."""
+
+
 @inlined
 def _share(left: float, terms: float) -> float:
     """What an event's function has left, relative to its terms."""
@@ -109,18 +114,13 @@ def _handle(task: Task, kind: int, side: int, residual: float) -> None:
         before = state.slip_rate_m_s
         state.slip_rate_m_s = 0.0
         change_state(task, kind, state.theta_rate_rad_s, before, state.pivot < 0, 0.0, residual)
-    elif kind == codes.AT_LIMIT:
-        results.overturn_time_s = state.time_s
-        state.outcome = codes.OVERTURNED_RIGHT if side > 0 else codes.OVERTURNED_LEFT
-    elif kind == codes.AT_WALL:
-        state.outcome = codes.TOUCHES_WALL
-    elif kind == codes.LOST_CONTACT:
-        state.outcome = codes.LIFT_OFF
-    elif kind == codes.NO_SOLUTION:
-        state.outcome = codes.FRICTION_PARADOX
-    else:
+    elif kind < codes.AT_LIMIT:
         change_state(task, kind, state.theta_rate_rad_s, state.slip_rate_m_s, state.pivot < 0, 0.0, residual)
-    if kind in (codes.AT_LIMIT, codes.AT_WALL, codes.LOST_CONTACT, codes.NO_SOLUTION):
+    else:
+        state.outcome = ENDINGS[kind - codes.AT_LIMIT]
+        if kind == codes.AT_LIMIT:
+            results.overturn_time_s = state.time_s
+            state.outcome = state.outcome if side > 0 else codes.OVERTURNED_LEFT
         note_event(task, kind, state.theta_rate_rad_s, state.slip_rate_m_s, 0.0, 0, residual)
 
 
@@ -151,9 +151,6 @@ def _begin(task: Task) -> None:
     state.theta_rad, state.theta_rate_rad_s = params.theta0_rad, params.theta_rate0_rad_s
     state.pivot, state.facet = _support(task, params.theta0_rad, params.theta_rate0_rad_s)
     results.peak_theta_rad = params.theta0_rad
-    results.least_pivot_normal_n, results.least_floor_normal_n, results.outcome_margin = math.inf, math.inf, math.inf
-    results.tipping_margin_m, results.tipping_margin_at_impact_m = math.inf, math.inf
-    results.overturn_time_s, results.no_return_time_s, results.left_domain_s = math.nan, math.nan, math.nan
 
 
 @inlined
@@ -245,14 +242,14 @@ def run_one(task: Task) -> None:
 # (`analytic.machine_code`).
 
 
-task_row: Final[Callable[[int, int], Task]] = row_at(TASK)
-params_row: Final[Callable[[int, int], Params]] = row_at(PARAMS)
-motion_row: Final[Callable[[int, int], MotionParams]] = row_at(MOTION_PARAMS)
-base_row: Final[Callable[[int, int], Base]] = row_at(BASE)
-state_row: Final[Callable[[int, int], State]] = row_at(STATE)
-results_row: Final[Callable[[int, int], Results]] = row_at(RESULTS)
-counts_row: Final[Callable[[int, int], Counts]] = row_at(COUNTS)
-tables_row: Final[Callable[[int, int], Any]] = row_at(TABLES)
+task_cell: Final = cell_at(TASK, Task)
+params_cell: Final = cell_at(PARAMS, Params)
+motion_cell: Final = cell_at(MOTION_PARAMS, MotionParams)
+base_cell: Final = cell_at(BASE, Base)
+state_cell: Final = cell_at(STATE, State)
+results_cell: Final = cell_at(RESULTS, Results)
+counts_cell: Final = cell_at(COUNTS, Counts)
+tables_cell: Final[Any] = cell_at(TABLES, np.void)
 
 
 def run(task_at: int, tables_at: int) -> None:
@@ -260,18 +257,19 @@ def run(task_at: int, tables_at: int) -> None:
 
     Without tables (0) the task is run as it stands, history and events included.
     """
-    task, tables = task_row(task_at, 0), tables_row(tables_at, 0)
+    task, tables = task_cell(task_at, 0).item, tables_cell(tables_at, 0).item
     many = tables_at != 0
     start, stop = (tables.start, tables.stop) if many else (0, 1)
     for i in range(start, stop):
         # One entry for both: another would be compiled from the first line to the last once more.
         if many:
-            task.params, task.base = params_row(tables.params, i), base_row(tables.bases, i)
-            task.motion_x.params, task.motion_z.params = motion_row(tables.motion_x, i), motion_row(tables.motion_z, i)
+            task.params, task.base = params_cell(tables.params, i).item, base_cell(tables.bases, i).item
+            task.motion_x.params = motion_cell(tables.motion_x, i).item
+            task.motion_z.params = motion_cell(tables.motion_z, i).item
         run_one(task)
         if task.params.output_step_s > 0.0:
             sample_end(task)
         if many:
-            set_row(state_row(tables.states, i), task.state)
-            set_row(results_row(tables.results, i), task.results)
-            set_row(counts_row(tables.counts, i), task.counts)
+            state_cell(tables.states, i).item = task.state
+            results_cell(tables.results, i).item = task.results
+            counts_cell(tables.counts, i).item = task.counts

@@ -216,27 +216,27 @@ class Series:
 
 @dataclass
 class Results:
-    """What a run leaves behind besides its state; energies in the floor's frame."""
+    """What a run leaves behind besides its state, before its first step; energies in the floor's frame."""
 
-    peak_theta_rad: float
+    peak_theta_rad: float = 0.0
     """Signed."""
-    peak_time_s: float
-    peak_slip_m: float
-    overturn_time_s: float
-    no_return_time_s: float
-    pivot_friction: float
-    pivot_friction_at_impact: float
-    least_pivot_normal_n: float
-    least_floor_normal_n: float
-    tipping_margin_m: float
-    tipping_margin_at_impact_m: float
-    energy_gained_j: float
-    energy_lost_j: float
-    event_residual: float
-    skipped_s: float
-    outcome_margin: float
-    left_domain_s: float
-    left_domain_by: int
+    peak_time_s: float = 0.0
+    peak_slip_m: float = 0.0
+    overturn_time_s: float = math.nan
+    no_return_time_s: float = math.nan
+    pivot_friction: float = 0.0
+    pivot_friction_at_impact: float = 0.0
+    least_pivot_normal_n: float = math.inf
+    least_floor_normal_n: float = math.inf
+    tipping_margin_m: float = math.inf
+    tipping_margin_at_impact_m: float = math.inf
+    energy_gained_j: float = 0.0
+    energy_lost_j: float = 0.0
+    event_residual: float = 0.0
+    skipped_s: float = 0.0
+    outcome_margin: float = math.inf
+    left_domain_s: float = math.nan
+    left_domain_by: int = 0
 
 
 @dataclass

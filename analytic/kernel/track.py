@@ -9,11 +9,11 @@ from typing import Final
 
 from analytic.kernel import codes
 from analytic.kernel.codes import BY_LEAN, BY_LOST_CONTACT, BY_PIVOT_SLIP, BY_TIPPING
-from analytic.kernel.compiler import event_row, inlined, jit, load_double, set_term, store_double, term
+from analytic.kernel.compiler import cell_at, inlined, jit, load_double, set_term, store_double, term
 from analytic.kernel.dynamics import complete
 from analytic.kernel.joint_state import choose
 from analytic.kernel.polynomial import first_root, value
-from analytic.kernel.records import Floats, Task
+from analytic.kernel.records import EVENT_ROW, EventRow, Floats, Task
 
 # How far a run stays inside the model (docs/model.md, section 5): extremes kept while the run goes on.
 
@@ -247,6 +247,9 @@ def advance(task: Task, n: int, tau: float, until: float) -> None:
     _note_balance(task, n, tau)
 
 
+event_cell: Final = cell_at(EVENT_ROW, EventRow)
+
+
 @jit
 def note_event(task: Task, kind: int, omega: float, rate: float, energy: float, feasible: int, residual: float) -> None:
     """Write one row of the table of events, if it still has room; omega and rate: θ̇ and u̇ before the event."""
@@ -254,7 +257,7 @@ def note_event(task: Task, kind: int, omega: float, rate: float, energy: float, 
     task.counts.events += 1
     if i >= task.output.n_events:
         return
-    event = event_row(task.output.events, i)
+    event = event_cell(task.output.events, i).item
     event.time_s, event.kind = state.time_s, kind
     event.pivot, event.facet, event.slide = state.pivot, state.facet, state.slide
     event.theta_rad, event.slip_m = state.theta_rad, state.slip_m

@@ -27,7 +27,15 @@ from analytic.spatial.kernel.directions import find_directions
 from analytic.spatial.kernel.flat import place, solve_flat
 from analytic.spatial.kernel.records import Memory, Run
 from analytic.spatial.kernel.rest import rests, stops_all
-from analytic.spatial.kernel.vectors import Vector, dot, put, times, to_body, vector
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    dot,
+    put,
+    times,
+    to_body,
+    touched,
+    vector,
+)
 
 ZERO: Final = 1e-9
 """Share of the largest response within which another counts as zero: what was rounded away, not a way out of the mode."""
@@ -48,8 +56,7 @@ def _parts(m: Memory, rows: Rows, mode: int, a: int, b: int, i: int) -> bool:
 @jit
 def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float, zero: float) -> bool:
     """Whether the solution in memory pushes where it touches, leaves where it does not, and keeps inside its cones."""
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         lift = dot(rows[2], response(m, i))
         # A singular system's forces need not hold what they were to hold.
         if _parts(m, rows, mode, a, b, i) and (normal(m, rows, i) < 0.0 or lift > zero):
@@ -73,8 +80,7 @@ def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: 
 @jit
 def pivot_directions(s: Run, m: Memory, rows: Rows, a: int, sign: float) -> None:
     """Directions of all vertices of a flat base that turns about vertex a."""
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         if i != a:
             dx, dy = place(m, rows, i, 1) - place(m, rows, a, 1), place(m, rows, i, 2) - place(m, rows, a, 2)
             size = math.sqrt(dx * dx + dy * dy)
@@ -88,8 +94,7 @@ def _possible(
     """Whether a mode is consistent with its own response; the solution stands in memory."""
     clear(s, m)
     m.response[:] = 0.0
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         if m.known[i] != 0:
             m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]
     if mode == codes.FLAT_REST:
@@ -163,8 +168,8 @@ def _may(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float) 
     """Whether the velocities allow a candidate: what sticks in it must not slide."""
     if mode == codes.FLAT_REST:
         slides = 0
-        for k in range(s.touching):
-            slides += m.known[m.touch[k]]
+        for i in touched(s, m):
+            slides += m.known[i]
         return bool(slides == 0)
     if mode == codes.EDGE_STICK:
         return bool(m.known[a] == 0 and m.known[b] == 0)

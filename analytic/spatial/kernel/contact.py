@@ -26,6 +26,7 @@ from analytic.spatial.kernel.vectors import (
     times,
     to_body,
     to_table,
+    touched,
     vector,
 )
 
@@ -67,8 +68,7 @@ def eliminate(matrix: Floats, n: int) -> bool:
 @inlined
 def clear(s: Run, m: Memory) -> None:
     """Take the forces away from all vertices that touch."""
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         m.force[i, 0], m.force[i, 1], m.force[i, 2] = 0.0, 0.0, 0.0
 
 
@@ -77,8 +77,7 @@ def free_accelerations(s: Run, m: Memory, y: Floats, field: Vector) -> None:
     """Write each touching vertex' acceleration without contact: g_e + α × r + ω × (ω × r), I α = −ω × I ω."""
     spin, down = vector(y, 10), to_body(axes(y), field)
     alpha = apply(m.inverse, cross(apply(m.inertia, spin), spin))
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         r = row3(m.at, i)
         a = plus(plus(down, cross(alpha, r)), cross(spin, cross(spin, r)))
         m.u[i, 0], m.u[i, 1], m.u[i, 2] = a
@@ -88,8 +87,7 @@ def free_accelerations(s: Run, m: Memory, y: Floats, field: Vector) -> None:
 def vertex_velocities(s: Run, m: Memory, y: Floats) -> None:
     """Write each touching vertex' velocity: v + ω × r."""
     spin, v = vector(y, 10), to_body(axes(y), vector(y, 7))
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         a = plus(v, cross(spin, row3(m.at, i)))
         m.u[i, 0], m.u[i, 1], m.u[i, 2] = a
 
@@ -174,8 +172,7 @@ def solve_columns(s: Run, m: Memory, n: int) -> bool:
 def respond(s: Run, m: Memory) -> None:
     """Write the response to the forces that stand in memory."""
     total, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         f = row3(m.force, i)
         total, moment = plus(total, f), plus(moment, cross(row3(m.at, i), f))
     turned = apply(m.inverse, moment)
@@ -190,12 +187,21 @@ def normal(m: Memory, rows: Rows, i: int) -> float:
 
 
 @jit
-def least_normal(s: Run, m: Memory, rows: Rows) -> float:
-    """Least of the normal forces in memory, none above 0: negative where one pulls."""
+def least_up(s: Run, m: Memory, rows: Rows, vectors: Floats) -> float:
+    """Least upward part of the forces or velocities of what touches, none above 0: negative where one pulls or comes down."""
     least = 0.0
-    for k in range(s.touching):
-        least = min(least, normal(m, rows, m.touch[k]))
+    for i in touched(s, m):
+        least = min(least, dot(rows[2], row3(vectors, i)))
     return least
+
+
+@jit
+def largest(s: Run, m: Memory) -> float:
+    """Largest of the velocities or accelerations in memory of what touches."""
+    most = 0.0
+    for i in touched(s, m):
+        most = max(most, length(row3(m.u, i)))
+    return most
 
 
 @inlined

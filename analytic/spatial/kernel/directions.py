@@ -13,7 +13,7 @@ from analytic.spatial.kernel.contact import (
     clear,
     columns,
     edge_friction,
-    least_normal,
+    least_up,
     normal,
     respond,
     response,
@@ -21,7 +21,18 @@ from analytic.spatial.kernel.contact import (
 )
 from analytic.spatial.kernel.flat import place, press_flat, solve_flat, write_undone
 from analytic.spatial.kernel.records import SECTORS, Memory, Run
-from analytic.spatial.kernel.vectors import Vector, cross, dot, length, minus, plus, row3, times, to_table
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    row3,
+    times,
+    to_table,
+    touched,
+)
 
 STARTS: Final = 8
 """Directions from which Newton's method starts for each of two vertices."""
@@ -100,7 +111,7 @@ def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
             across, along = off_direction(m, rows, i)
             # Where the equations have no solution the sign changes too, from one infinity to the other; a root at which a force
             # pulls must not hide the next.
-            pushes = mode == FLAT_SLIDE or least_normal(s, m, rows) >= 0.0
+            pushes = mode == FLAT_SLIDE or least_up(s, m, rows, m.force) >= 0.0
             if along >= -zero and abs(across) <= ROOT * zero and pushes:
                 return True
         before = after
@@ -145,7 +156,7 @@ def two_directions(s: Run, m: Memory, rows: Rows, a: int, b: int, size: float, z
             if abs(fp) + abs(fq) <= CONVERGED * size:
                 along = min(off_direction(m, rows, a)[1], off_direction(m, rows, b)[1])
                 # To look past a root at which a force pulls takes a quarter of a run: only where nothing was found.
-                if along >= -zero and (s.sectors == SECTORS[0] or least_normal(s, m, rows) >= 0.0):
+                if along >= -zero and (s.sectors == SECTORS[0] or least_up(s, m, rows, m.force) >= 0.0):
                     return True
                 break
             pp, pq = _two_across(s, m, rows, a, b, p + small, q)
@@ -175,8 +186,7 @@ def _flat_response(s: Run, m: Memory, rows: Rows, d: Vector, reach: float) -> Ve
     """Response to sliding of a flat base in the direction d: a unit vector of (place of the point below the centroid x, y; yaw
     times reach). It does not depend on how fast the base slides.
     """
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         dx, dy = d[0] - d[2] / reach * place(m, rows, i, 2), d[1] + d[2] / reach * place(m, rows, i, 1)
         speed = math.sqrt(dx * dx + dy * dy)
         if speed > 0.0:
@@ -236,8 +246,7 @@ def flat_directions(s: Run, m: Memory, rows: Rows, size: float, zero: float) -> 
     aside, without and with yaw.
     """
     reach, n = 0.0, 1.0 * s.touching
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         reach += math.sqrt(place(m, rows, i, 1) ** 2 + place(m, rows, i, 2) ** 2) / n
     clear(s, m)
     respond(s, m)
@@ -263,9 +272,9 @@ def find_directions(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, si
     zero = 1e-9 * size
     if mode == FLAT_SLIDE:
         unknown, last = 0, -1
-        for k in range(s.touching):
-            if m.known[m.touch[k]] == 0:
-                unknown, last = unknown + 1, m.touch[k]
+        for i in touched(s, m):
+            if m.known[i] == 0:
+                unknown, last = unknown + 1, i
         if unknown == 0:
             return solve_flat(s, m, rows, mode, -1)
         write_undone(s, m, rows, -1)

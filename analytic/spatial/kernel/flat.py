@@ -15,7 +15,17 @@ from analytic.kernel.compiler import inlined, jit
 from analytic.spatial.kernel.codes import FLAT_PIVOT
 from analytic.spatial.kernel.contact import Rows, clear, eliminate, respond, sliding_push
 from analytic.spatial.kernel.records import MAX_VERTICES, Memory, Run
-from analytic.spatial.kernel.vectors import Vector, apply, cross, dot, plus, row3, times, to_table
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    apply,
+    cross,
+    dot,
+    plus,
+    row3,
+    times,
+    to_table,
+    touched,
+)
 
 SETS: Final = 40
 """Sets of loaded vertices tried at most, and"""
@@ -38,8 +48,8 @@ def flat_push(m: Memory, rows: Rows, i: int, pivot: int) -> Vector:
 @inlined
 def load_all(s: Run, m: Memory) -> None:
     """Let all vertices that touch bear pressure."""
-    for k in range(s.touching):
-        m.loaded[m.touch[k]] = 1
+    for i in touched(s, m):
+        m.loaded[i] = 1
 
 
 @jit
@@ -60,8 +70,7 @@ def write_undone(s: Run, m: Memory, rows: Rows, pivot: int) -> None:
     for r in range(3):
         for c in range(4):
             total = 0.0
-            for k in range(s.touching):
-                i = m.touch[k]
+            for i in touched(s, m):
                 total += place(m, rows, i, r) * (place(m, rows, i, c) if c < 3 else -dot(rows[2], row3(m.u, i)))
             m.matrix[r, c] = total
     eliminate(m.matrix, 3)
@@ -94,8 +103,7 @@ def _write_system(s: Run, m: Memory, n: int) -> float:
     """Write the equations for λ over the loaded vertices; by how much the λ in memory misses them."""
     missed, hh, hx, hy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     m.matrix[:n, : n + 1] = 0.0
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         if m.loaded[i] != 0:
             # What every base has, height and slopes, is summed up in registers: a sum in memory waits for itself.
             h, x, y = row3(m.effect, i)
@@ -122,8 +130,8 @@ def _write_system(s: Run, m: Memory, n: int) -> float:
 def _pressed(s: Run, m: Memory, n: int, pivot: int) -> int:
     """How many vertices the λ in memory presses down; none where the pivot is not among them."""
     count = 0
-    for k in range(s.touching):
-        count += 1 if _share(m, n, m.touch[k]) >= 0.0 else 0
+    for i in touched(s, m):
+        count += 1 if _share(m, n, i) >= 0.0 else 0
     return count if pivot < 0 or _share(m, n, pivot) >= 0.0 else 0
 
 
@@ -131,8 +139,7 @@ def _pressed(s: Run, m: Memory, n: int, pivot: int) -> int:
 def _load(s: Run, m: Memory, n: int) -> bool:
     """Load the vertices that the λ in memory presses down; whether they were others."""
     changed = False
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         now = 1 if _share(m, n, i) >= 0.0 else 0
         changed, m.loaded[i] = changed or m.loaded[i] != now, now
     return changed
@@ -173,8 +180,8 @@ def flat_margin(s: Run, m: Memory, ok: bool) -> float:
     """How far a sliding facet is from tipping, N: the third largest pressure, as two vertices bear all where it tips; the least
     where it has tipped."""
     first, second, third, least = 0.0, 0.0, 0.0, math.inf
-    for k in range(s.touching):
-        x = m.pressure[m.touch[k]]
+    for i in touched(s, m):
+        x = m.pressure[i]
         least = min(least, x)
         if x > first:
             first, second, third = x, first, second
@@ -197,16 +204,14 @@ def solve_flat(s: Run, m: Memory, rows: Rows, mode: int, a: int) -> bool:
 def press_flat(s: Run, m: Memory, rows: Rows, pivot: int) -> bool:
     """The same, about a pivot where there is one, for other directions of sliding: what is to be undone stands in memory."""
     n = 3 if pivot < 0 else 5
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         _write_effect(s, m, rows, i, flat_push(m, rows, i, pivot), pivot, i)
     if pivot >= 0:
         _write_effect(s, m, rows, pivot, rows[0], pivot, MAX_VERTICES)
         _write_effect(s, m, rows, pivot, rows[1], pivot, MAX_VERTICES + 1)
     ok = _press(s, m, n, pivot)
     clear(s, m)
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         m.pressure[i] = _share(m, n, i) if m.loaded[i] != 0 else 0.0
         f = times(m.pressure[i], flat_push(m, rows, i, pivot))
         if i == pivot:

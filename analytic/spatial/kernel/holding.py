@@ -22,6 +22,7 @@ from analytic.spatial.kernel.vectors import (
     row3,
     times,
     to_table,
+    touched,
     turn,
     vector,
 )
@@ -126,8 +127,7 @@ def take_heading(s: Run, m: Memory, y: Floats) -> None:
     """Note in which direction each touching vertex slides now; a vertex slower than `still_m_s` keeps its direction."""
     rows = axes(y)
     vertex_velocities(s, m, y)
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         x = to_table(rows, row3(m.u, i))
         speed = math.sqrt(x[0] * x[0] + x[1] * x[1])
         # The direction of a slower one is rounding.

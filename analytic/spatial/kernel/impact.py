@@ -8,7 +8,7 @@ from typing import Final
 from analytic.kernel.compiler import jit
 from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.choose import choose
-from analytic.spatial.kernel.contact import UNLIMITED, Rows, free_accelerations, least_normal, vertex_velocities
+from analytic.spatial.kernel.contact import UNLIMITED, Rows, free_accelerations, largest, least_up, vertex_velocities
 from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
 from analytic.spatial.kernel.records import SECTORS, Memory, Run
@@ -29,6 +29,7 @@ from analytic.spatial.kernel.vectors import (
     times,
     to_body,
     to_table,
+    touched,
     vector,
 )
 
@@ -54,10 +55,7 @@ def strike(s: Run, m: Memory, rows: Rows, size: float) -> tuple[bool, bool]:
     """
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
     if s.restitution > 0.0:
-        deepest = 0.0
-        for k in range(s.touching):
-            deepest = min(deepest, dot(rows[2], row3(m.u, m.touch[k])))
-        if s.restitution * -deepest > math.sqrt(2.0 * s.gravity_m_s2 * LEAST_RISE_M):
+        if s.restitution * -least_up(s, m, rows, m.u) > math.sqrt(2.0 * s.gravity_m_s2 * LEAST_RISE_M):
             _come_faster(s, m, rows, v0, w0)
             vertex_velocities(s, m, m.y)
             returns = choose(s, m, rows, to_body(rows, vector(m.y, 7)), True, (1.0 + s.restitution) * size)
@@ -112,10 +110,9 @@ def limits(s: Run, m: Memory, zero: float, impulse: bool) -> float:
     A vertex that does not slide sticks up to the static coefficient. Under impulses one that slides may stick too, up to the
     kinetic one.
     """
-    rows, largest, slow = axes(m.y), 0.0, 0
+    rows, fastest, slow = axes(m.y), 0.0, 0
     vertex_velocities(s, m, m.y)
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         x = to_table(rows, row3(m.u, i))
         speed = math.sqrt(x[0] * x[0] + x[1] * x[1])
         slides = speed > zero
@@ -124,13 +121,13 @@ def limits(s: Run, m: Memory, zero: float, impulse: bool) -> float:
             m.heading[i, 0], m.heading[i, 1] = x[0] / speed, x[1] / speed
         m.stick_limit[i] = s.friction_kinetic if slides and impulse else s.friction_static
         m.slide_limit[i] = s.friction_kinetic
-        largest = max(largest, length(x))
+        fastest = max(fastest, length(x))
         slow += 0 if slides else 1
     if slow > 1 and s.touching > 2:
         # Two vertices of a flat base at rest: the others are only little faster, and none has a direction of its own.
-        for k in range(s.touching):
-            m.known[m.touch[k]] = 0
-    return largest
+        for i in touched(s, m):
+            m.known[i] = 0
+    return fastest
 
 
 @jit
@@ -141,10 +138,7 @@ def find_mode(s: Run, m: Memory, still_m_s: float) -> bool:
     limits(s, m, still_m_s, False)
     g = field(s, m, s.time_s)
     free_accelerations(s, m, m.y, g)
-    size = length(g)
-    for k in range(s.touching):
-        size = max(size, length(row3(m.u, m.touch[k])))
-    return choose(s, m, axes(m.y), g, False, size)
+    return choose(s, m, axes(m.y), g, False, max(length(g), largest(s, m)))
 
 
 @jit
@@ -192,7 +186,7 @@ def _presses(s: Run, m: Memory) -> bool:
     s.slow = False
     rows = axes(m.y)
     contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
-    return least_normal(s, m, rows) >= -PULLED * s.mass_kg * s.gravity_m_s2
+    return least_up(s, m, rows, m.force) >= -PULLED * s.mass_kg * s.gravity_m_s2
 
 
 @jit
@@ -201,10 +195,7 @@ def _drop_rebounds(s: Run, m: Memory) -> None:
     m.ys[:] = m.y
     hold_velocity(s, m, m.y)
     vertex_velocities(s, m, m.y)
-    rows, least_m_s = axes(m.y), 0.0
-    for k in range(s.touching):
-        least_m_s = min(least_m_s, dot(rows[2], row3(m.u, m.touch[k])))
-    if least_m_s < -PUSHED_M_S:
+    if least_up(s, m, axes(m.y), m.u) < -PUSHED_M_S:
         m.y[:] = m.ys
         hold_level(s, m, m.y)
 
@@ -219,8 +210,7 @@ def enter(s: Run, m: Memory) -> None:
             part = i == s.a or (i == s.b and s.mode in (codes.EDGE_STICK, codes.EDGE_PIVOT, codes.EDGE_SLIDE))
             m.down[i] = 1 if part and s.mode != codes.FLIGHT else 0
         set_touch(s, m)
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         at = vertex_place(m, m.y, i)
         m.anchor[i, 0], m.anchor[i, 1] = at[0], at[1]
         m.heading[i, 0], m.heading[i, 1] = m.slide[i, 0], m.slide[i, 1]
@@ -240,9 +230,7 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     set_touch(s, m)
     rows, before_j = axes(m.y), kinetic_energy(s, m, m.y)
     size = limits(s, m, 10.0 * s.still_m_s, True)
-    lands_m_s = 0.0
-    for k in range(s.touching):
-        lands_m_s = max(lands_m_s, -dot(rows[2], row3(m.u, m.touch[k])))
+    lands_m_s = -least_up(s, m, rows, m.u)
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
     possible, returns = strike(s, m, rows, size)
     if not possible:
@@ -256,8 +244,7 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
         put(m.y, 7, plus(v0, to_table(rows, vector(m.response, 0))))
         put(m.y, 10, plus(w0, vector(m.response, 3)))
     total, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         f = row3(m.force, i)
         total, moment = plus(total, f), plus(moment, cross(row3(m.at, i), f))
         m.impulse[i, 0], m.impulse[i, 1], m.impulse[i, 2] = to_table(rows, f)
@@ -298,8 +285,7 @@ def _worst_cone(s: Run, m: Memory) -> float:
     if s.mode == codes.FLIGHT or s.friction_static >= UNLIMITED:
         return 0.0
     rows, total, worst = axes(m.y), 0.0, 0.0
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         f = to_table(rows, row3(m.force, i))
         total += abs(f[2])
         t = math.sqrt(f[0] * f[0] + f[1] * f[1])
@@ -313,13 +299,9 @@ def _worst_cone(s: Run, m: Memory) -> float:
 def _leave(s: Run, m: Memory, least_m_s: float) -> None:
     """Let go of the vertices that rise faster than this."""
     vertex_velocities(s, m, m.y)
-    rows = axes(m.y)
-    largest = 0.0
-    for k in range(s.touching):
-        largest = max(largest, length(row3(m.u, m.touch[k])))
-    for k in range(s.touching):
-        i = m.touch[k]
-        if dot(rows[2], row3(m.u, i)) > max(least_m_s, 1e-9 * largest):
+    rows, rises_m_s = axes(m.y), max(least_m_s, 1e-9 * largest(s, m))
+    for i in touched(s, m):
+        if dot(rows[2], row3(m.u, i)) > rises_m_s:
             m.down[i] = 0
     set_touch(s, m)
 
@@ -328,11 +310,9 @@ def _leave(s: Run, m: Memory, least_m_s: float) -> None:
 def _settle(s: Run, m: Memory) -> bool:
     """Bring to rest what leaves the floor too slowly for its rebound to be seen; True if that was done."""
     vertex_velocities(s, m, m.y)
-    rows, fastest = axes(m.y), 0.0
-    for k in range(s.touching):
-        fastest = max(fastest, length(row3(m.u, m.touch[k])))
-    if s.touching > 2 and fastest <= s.settle_m_s and rests(s, m, rows, field(s, m, s.time_s)):
-        m.y[7:13] = 0.0
-        s.settled += 1
-        return True
-    return False
+    slow = s.touching > 2 and largest(s, m) <= s.settle_m_s
+    if not slow or not rests(s, m, axes(m.y), field(s, m, s.time_s)):
+        return False
+    m.y[7:13] = 0.0
+    s.settled += 1
+    return True

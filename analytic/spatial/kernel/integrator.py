@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Final
 
 from analytic.kernel.codes import HARMONIC, NONE, SAMPLED
-from analytic.kernel.compiler import inlined, jit, load_double, row_at
+from analytic.kernel.compiler import cell_at, inlined, jit, load_double
 from analytic.spatial.kernel import codes
 from analytic.spatial.kernel.contact import vertex_velocities
 from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_heading, vertex_place
@@ -76,8 +75,8 @@ def _stop(s: Run, m: Memory, vertex: int) -> None:
     note_event(s, m, codes.STICK_ONSET, vertex, 0.0, 0.0)
 
 
-run_row: Final[Callable[[int, int], Run]] = row_at(RUN)
-memory_row: Final[Callable[[int, int], Memory]] = row_at(MEMORY)
+run_cell: Final = cell_at(RUN, Run)
+memory_cell: Final = cell_at(MEMORY, Memory)
 SAFETY: Final = 0.9
 SHRINK: Final = 0.2
 GROW: Final = 5.0
@@ -308,4 +307,4 @@ def run(runs: int, memories: int, start: int, stop: int) -> None:
     """Run the rows start to stop − 1 of the tables at these addresses; memories know the callers' arrays (`machine_code`)."""
     # One entry for one run and for many: another would be compiled from the first line to the last once more.
     for i in range(start, stop):
-        run_one(run_row(runs, i), memory_row(memories, i))
+        run_one(run_cell(runs, i).item, memory_cell(memories, i).item)

@@ -27,6 +27,7 @@ from analytic.spatial.kernel.vectors import (
     times,
     to_body,
     to_table,
+    touched,
     vector,
 )
 
@@ -49,8 +50,7 @@ def set_slides(s: Run, m: Memory, y: Floats, rows: Rows) -> None:
     """
     spin, v, shift = vector(y, 10), to_body(rows, vector(y, 7)), SHIFT * s.still_m_s
     first = to_table(rows, row3(m.at, m.touch[0]))
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         x = plus(v, cross(spin, row3(m.at, i)))
         dx, dy = dot(rows[0], x), dot(rows[1], x)
         if s.slow:
@@ -134,8 +134,7 @@ def rates(s: Run, m: Memory, y: Floats, t: float, out: Floats) -> None:
 def sliding_power(s: Run, m: Memory, y: Floats, rows: Rows) -> float:
     """Work lost in a second by the forces in memory where they slide: −Σ F · v, W."""
     spin, v, total = vector(y, 10), to_body(rows, vector(y, 7)), 0.0
-    for k in range(s.touching):
-        i = m.touch[k]
+    for i in touched(s, m):
         x = plus(v, cross(spin, row3(m.at, i)))
         total -= dot(row3(m.force, i), x)
     return total

@@ -17,7 +17,19 @@ from analytic.spatial.kernel.codes import EDGE_SLIDE, FLAT_SLIDE, VERTEX_SLIDE
 from analytic.spatial.kernel.contact import vertex_velocities
 from analytic.spatial.kernel.rates import rates
 from analytic.spatial.kernel.records import STATE, Memory, Run
-from analytic.spatial.kernel.vectors import Vector, axes, cross, dot, minus, plus, row3, times, to_table, vector
+from analytic.spatial.kernel.vectors import (
+    Vector,
+    axes,
+    cross,
+    dot,
+    minus,
+    plus,
+    row3,
+    times,
+    to_table,
+    touched,
+    vector,
+)
 
 COARSE: Final = 1e-9
 """Local error from which fewer extrapolations cost less."""
@@ -56,8 +68,8 @@ def turning_time_s(s: Run, m: Memory) -> float:
         return math.inf
     rows, least_m_s = axes(m.y), math.inf
     vertex_velocities(s, m, m.y)
-    for k in range(s.touching):
-        x = to_table(rows, row3(m.u, m.touch[k]))
+    for i in touched(s, m):
+        x = to_table(rows, row3(m.u, i))
         least_m_s = min(least_m_s, math.sqrt(x[0] * x[0] + x[1] * x[1]))
     return max(least_m_s, s.still_m_s) / (s.friction_kinetic * s.gravity_m_s2)
 
@@ -79,9 +91,9 @@ def bend(s: Run, m: Memory, turning_s: float) -> None:
     """Write U and V U at the present state, by differences."""
     rows, first = axes(m.y), m.touch[0]
     speed, reach = BENT * turning_s * s.friction_kinetic * s.gravity_m_s2, 0.0
-    for k in range(s.touching):
+    for i in touched(s, m):
         for c in range(3):
-            reach = max(reach, abs(m.at[m.touch[k], c] - m.at[first, c]))
+            reach = max(reach, abs(m.at[i, c] - m.at[first, c]))
     rates(s, m, m.y, s.time_s, m.k1[0])
     for c in range(3):
         small = speed if c < 2 else speed / max(reach, math.sqrt(dot(row3(m.at, first), row3(m.at, first))))

@@ -13,7 +13,17 @@ from analytic.spatial.kernel.flat import flat_margin
 from analytic.spatial.kernel.holding import vertex_place
 from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
 from analytic.spatial.kernel.records import EVENT_HEAD, INTERVAL_HEAD, LOST, STATE, WORK, Memory, Run
-from analytic.spatial.kernel.vectors import axes, cross, dot, field, plus, row3, to_table, vector
+from analytic.spatial.kernel.vectors import (
+    axes,
+    cross,
+    dot,
+    field,
+    plus,
+    row3,
+    to_table,
+    touched,
+    vector,
+)
 
 # What ends a mode of motion: functions that are positive while it lasts (of rest: `resting.rest_margin`).
 
@@ -44,8 +54,8 @@ def _watch_flat(s: Run, m: Memory, y: Floats, rows: Rows, n: int, ok: bool) -> i
         if s.friction_static < UNLIMITED:
             n = _note(m, n, codes.WATCH_FRICTION, s.a, s.friction_static * normal(m, rows, s.a) - tangent(m, rows, s.a))
     else:
-        for k in range(s.touching):
-            n = _note(m, n, codes.WATCH_SPEED, m.touch[k], heading_speed(m, y, rows, m.touch[k]))
+        for i in touched(s, m):
+            n = _note(m, n, codes.WATCH_SPEED, i, heading_speed(m, y, rows, i))
     return _note(m, n, codes.WATCH_NORMAL, -1, flat_margin(s, m, ok))
 
 
@@ -154,12 +164,9 @@ def note_event(s: Run, m: Memory, kind: int, vertex: int, loss: float, cone: flo
     """Write an event, if there is room; the impulses of an impact are those in memory (table's frame: `m.impulse`)."""
     if s.events < m.rows:
         start = s.events * (EVENT_HEAD + 3 * m.vertices)
-        store_double(m.event_table, start, s.time_s)
-        store_double(m.event_table, start + 1, kind)
-        store_double(m.event_table, start + 2, vertex)
-        store_double(m.event_table, start + 3, s.mode)
-        store_double(m.event_table, start + 4, loss)
-        store_double(m.event_table, start + 5, cone)
+        head = (s.time_s, float(kind), float(vertex), float(s.mode), loss, cone)
+        for c in range(EVENT_HEAD):
+            store_double(m.event_table, start + c, head[c])
         for i in range(m.vertices):
             for c in range(3):
                 store_double(m.event_table, start + EVENT_HEAD + 3 * i + c, m.impulse[i, c])

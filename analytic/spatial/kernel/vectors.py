@@ -6,7 +6,7 @@ import math
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.forcing import acceleration, is_over, next_break_s
-from analytic.kernel.records import Floats
+from analytic.kernel.records import Floats, Ints
 from analytic.spatial.kernel.records import Memory, Run
 
 # The floor's acceleration as a body in space feels it, and the breaks of its three components.
@@ -34,6 +34,12 @@ def pass_breaks(s: Run, m: Memory) -> None:
 def all_over(m: Memory) -> bool:
     """Whether the floor is at rest from now on."""
     return is_over(m.motions[0]) and is_over(m.motions[1]) and is_over(m.motions[2])
+
+
+@inlined
+def touched(s: Run, m: Memory) -> Ints:
+    """The vertices that touch, in the polygon's order."""
+    return m.touch[: s.touching]
 
 
 Vector = tuple[float, float, float]
