@@ -44,13 +44,17 @@ ANOTHER: Final = 1e-6
 
 
 @inlined
-def _parts(m: Memory, rows: Rows, mode: int, a: int, b: int, i: int) -> bool:
-    """Whether vertex i takes part in a mode."""
-    if mode in (codes.FLAT_REST, codes.FLAT_PIVOT, codes.FLAT_SLIDE):
-        return True
-    return mode != codes.FLIGHT and (
-        i == a or (i == b and mode in (codes.EDGE_STICK, codes.EDGE_PIVOT, codes.EDGE_SLIDE))
-    )
+def takes_part(mode: int, a: int, b: int, i: int) -> bool:
+    """Whether vertex i, which touches, takes part in a mode of the vertices a and b (−1: none)."""
+    return i in (a, b) or codes.KEEPS[mode] == codes.FACET
+
+
+@inlined
+def _turning(m: Memory, a: int, b: int) -> int:
+    """The vertex whose way tells how a pivot turns: the edge's other one, or one of the facet's."""
+    if b >= 0:
+        return b
+    return int(m.touch[0] if m.touch[0] != a else m.touch[1])
 
 
 @jit
@@ -59,7 +63,7 @@ def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: 
     for i in touched(s, m):
         lift = dot(rows[2], response(m, i))
         # A singular system's forces need not hold what they were to hold.
-        if _parts(m, rows, mode, a, b, i) and (normal(m, rows, i) < 0.0 or lift > zero):
+        if takes_part(mode, a, b, i) and (normal(m, rows, i) < 0.0 or lift > zero):
             return False
         if lift < -zero:
             return False
@@ -69,10 +73,8 @@ def _signs_hold(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: 
     if limited and tangent(m, rows, a) > m.stick_limit[a] * normal(m, rows, a):
         return False
     # A vertex that slides already may be slowed down; one that begins to must move against its friction.
-    if mode == codes.EDGE_PIVOT and m.known[b] == 0:
-        return sign * dot(along_across(m, rows, a, b)[1], response(m, b)) >= -zero
-    j = m.touch[0] if m.touch[0] != a else m.touch[1]
-    if mode == codes.FLAT_PIVOT and m.known[j] == 0:
+    j = _turning(m, a, b)
+    if codes.DOES[mode] == codes.PIVOTS and m.known[j] == 0:
         return sign * dot(along_across(m, rows, a, j)[1], response(m, j)) >= -zero
     return True
 
@@ -98,14 +100,11 @@ def _possible(
         if m.known[i] != 0:
             m.slide[i, 0], m.slide[i, 1] = m.heading[i, 0], m.heading[i, 1]
     if mode == codes.FLAT_REST:
-        if impulse:
-            moving, spin = field, vector(m.y, 10)
-            return stops_all(s, m, rows, moving, spin)
-        return rests(s, m, rows, field)
+        return stops_all(s, m, rows, field, vector(m.y, 10)) if impulse else rests(s, m, rows, field)
     if mode == codes.FLAT_PIVOT:
         pivot_directions(s, m, rows, a, sign)
         ok = solve_flat(s, m, rows, mode, a)
-    elif mode in (codes.FLAT_SLIDE, codes.EDGE_SLIDE, codes.VERTEX_SLIDE):
+    elif codes.DOES[mode] == codes.SLIDES:
         ok = find_directions(s, m, rows, mode, a, b, size)
     elif mode == codes.FLIGHT:
         ok = True
@@ -117,40 +116,28 @@ def _possible(
 @jit
 def _candidates(s: Run, mode: int) -> int:
     """How many candidates of a mode the vertices that touch give."""
-    n = s.touching
-    flat, pairs = n > 2, n if n > 2 else n - 1
-    if s.friction_kinetic >= UNLIMITED and mode not in (
-        codes.FLAT_REST,
-        codes.EDGE_STICK,
-        codes.VERTEX_STICK,
-        codes.FLIGHT,
-    ):
+    n, keeps, does = s.touching, codes.KEEPS[mode], codes.DOES[mode]
+    held = s.friction_kinetic >= UNLIMITED and does in (codes.PIVOTS, codes.SLIDES)
+    if held or (keeps == codes.FACET and n < 3):
         return 0
-    if mode in (codes.FLAT_REST, codes.FLAT_SLIDE):
-        return 1 if flat else 0
-    if mode == codes.FLAT_PIVOT:
-        return 2 * n if flat else 0
-    if mode in (codes.VERTEX_STICK, codes.VERTEX_SLIDE):
-        return n
-    if mode == codes.FLIGHT:
-        return 1
-    return 4 * pairs if mode == codes.EDGE_PIVOT else pairs
+    signs = 2 if does == codes.PIVOTS else 1
+    if keeps == codes.EDGE:
+        return signs * signs * (n if n > 2 else n - 1)
+    return signs * n if keeps == codes.VERTEX or signs == 2 else 1
 
 
 @jit
 def _candidate(s: Run, m: Memory, mode: int, c: int) -> tuple[int, int, float]:
     """Candidate c of a mode: its vertices a and b, and the sign of the yaw about a."""
-    n = s.touching
-    if mode in (codes.FLAT_REST, codes.FLAT_SLIDE, codes.FLIGHT):
-        return -1, -1, 0.0
+    n, keeps = s.touching, codes.KEEPS[mode]
     if mode == codes.FLAT_PIVOT:
         return m.touch[c // 2], -1, 1.0 - 2.0 * (c % 2)
-    if mode in (codes.VERTEX_STICK, codes.VERTEX_SLIDE):
-        return m.touch[c], -1, 0.0
     if mode == codes.EDGE_PIVOT:
         k, swap = c // 4, c // 2 % 2
         return m.touch[(k + swap) % n], m.touch[(k + 1 - swap) % n], 1.0 - 2.0 * (c % 2)
-    return m.touch[c], m.touch[(c + 1) % n], 0.0
+    if keeps in (codes.FACET, codes.NOTHING):
+        return -1, -1, 0.0
+    return m.touch[c], (m.touch[(c + 1) % n] if keeps == codes.EDGE else -1), 0.0
 
 
 @jit
@@ -166,19 +153,13 @@ def _turns(m: Memory, rows: Rows, a: int, b: int, sign: float) -> bool:
 @jit
 def _may(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float) -> bool:
     """Whether the velocities allow a candidate: what sticks in it must not slide."""
-    if mode == codes.FLAT_REST:
-        slides = 0
+    does = codes.DOES[mode]
+    if does == codes.PIVOTS:
+        return m.known[a] == 0 and _turns(m, rows, a, _turning(m, a, b), sign)
+    if does == codes.STICKS:
         for i in touched(s, m):
-            slides += m.known[i]
-        return bool(slides == 0)
-    if mode == codes.EDGE_STICK:
-        return bool(m.known[a] == 0 and m.known[b] == 0)
-    if mode == codes.VERTEX_STICK:
-        return bool(m.known[a] == 0)
-    if mode == codes.EDGE_PIVOT:
-        return m.known[a] == 0 and _turns(m, rows, a, b, sign)
-    if mode == codes.FLAT_PIVOT:
-        return m.known[a] == 0 and _turns(m, rows, a, m.touch[0] if m.touch[0] != a else m.touch[1], sign)
+            if m.known[i] != 0 and takes_part(mode, a, b, i):
+                return False
     return True
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 # Modes: what touches, and how. The order is that of preference where several are possible: the one that sticks most.
 (
     FLAT_REST,
@@ -14,6 +16,13 @@ from __future__ import annotations
     VERTEX_SLIDE,
     FLIGHT,
 ) = range(9)
+
+# By mode, what of the polygon of the vertices that touch stays on the floor, and
+FACET, EDGE, VERTEX, NOTHING = range(4)
+KEEPS: Final = (FACET, EDGE, FACET, EDGE, VERTEX, FACET, EDGE, VERTEX, NOTHING)
+# how: all of it sticks, it turns about vertex a, all of it slides, or it is nowhere.
+STICKS, PIVOTS, SLIDES, FLIES = range(4)
+DOES: Final = (STICKS, STICKS, PIVOTS, PIVOTS, STICKS, SLIDES, SLIDES, SLIDES, FLIES)
 
 # Outcomes.
 RUNNING, STANDS, OVERTURNED, NO_MODE, UNDECIDED, GAVE_UP = range(6)

@@ -7,7 +7,7 @@ from typing import Final
 
 from analytic.kernel.compiler import jit
 from analytic.spatial.kernel import codes
-from analytic.spatial.kernel.choose import choose
+from analytic.spatial.kernel.choose import choose, takes_part
 from analytic.spatial.kernel.contact import UNLIMITED, Rows, free_accelerations, largest, least_up, vertex_velocities
 from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
 from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
@@ -54,17 +54,16 @@ def strike(s: Run, m: Memory, rows: Rows, size: float) -> tuple[bool, bool]:
     Plastic where too little would come back to be seen, and where a friction that turns a vertex round would add energy.
     """
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
-    if s.restitution > 0.0:
-        if s.restitution * -least_up(s, m, rows, m.u) > math.sqrt(2.0 * s.gravity_m_s2 * LEAST_RISE_M):
-            _come_faster(s, m, rows, v0, w0)
-            vertex_velocities(s, m, m.y)
-            returns = choose(s, m, rows, to_body(rows, vector(m.y, 7)), True, (1.0 + s.restitution) * size)
-            put(m.y, 7, v0)
-            put(m.y, 10, w0)
-            if returns and not _gains(s, m, to_body(rows, v0), w0):
-                return True, True
-            # The plastic impact is chosen by what the vertices really do, and the trial left its own in memory.
-            vertex_velocities(s, m, m.y)
+    if s.restitution * -least_up(s, m, rows, m.u) > math.sqrt(2.0 * s.gravity_m_s2 * LEAST_RISE_M):
+        _come_faster(s, m, rows, v0, w0)
+        vertex_velocities(s, m, m.y)
+        returns = choose(s, m, rows, to_body(rows, vector(m.y, 7)), True, (1.0 + s.restitution) * size)
+        put(m.y, 7, v0)
+        put(m.y, 10, w0)
+        if returns and not _gains(s, m, to_body(rows, v0), w0):
+            return True, True
+        # The plastic impact is chosen by what the vertices really do, and the trial left its own in memory.
+        vertex_velocities(s, m, m.y)
     found = False
     for sectors in SECTORS:
         s.sectors = sectors
@@ -207,8 +206,7 @@ def enter(s: Run, m: Memory) -> None:
         if s.mode != codes.FLIGHT and s.touching > 1:
             _drop_rebounds(s, m)
         for i in range(m.vertices):
-            part = i == s.a or (i == s.b and s.mode in (codes.EDGE_STICK, codes.EDGE_PIVOT, codes.EDGE_SLIDE))
-            m.down[i] = 1 if part and s.mode != codes.FLIGHT else 0
+            m.down[i] = 1 if takes_part(s.mode, s.a, s.b, i) else 0
         set_touch(s, m)
     for i in touched(s, m):
         at = vertex_place(m, m.y, i)

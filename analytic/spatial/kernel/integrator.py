@@ -282,8 +282,7 @@ def run_one(s: Run, m: Memory) -> None:
             step(s, m)
         if s.outcome == codes.RUNNING and s.time_s >= s.limit_s and s.time_s < s.duration_s:
             jump = False
-            for axis in range(3):
-                motion = m.motions[axis]
+            for motion in m.motions:
                 kind, passed, last = motion.params.kind, motion.breaks_passed, motion.params.n_samples
                 jump = jump or (kind not in (NONE, HARMONIC, SAMPLED)) or (kind == SAMPLED and passed in (0, last - 1))
             pass_breaks(s, m)

@@ -38,7 +38,7 @@ SHIFT: Final = 4.0
 @inlined
 def touches_flat(mode: int) -> bool:
     """Whether a facet lies on the floor."""
-    return mode in (codes.FLAT_REST, codes.FLAT_PIVOT, codes.FLAT_SLIDE)
+    return codes.KEEPS[mode] == codes.FACET
 
 
 @jit

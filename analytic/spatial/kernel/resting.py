@@ -92,8 +92,7 @@ def _dip(s: Run, m: Memory, low: float, high: float) -> float:
 def _rest_step_s(m: Memory) -> float:
     """How finely a rest is looked through: between a record's samples all limits are convex, and their ends tell."""
     longest = math.inf
-    for axis in range(3):
-        motion = m.motions[axis]
+    for motion in m.motions:
         if motion.params.kind not in (NONE, SAMPLED, RECTANGULAR):
             longest = min(longest, TWO_PI / motion.params.omega_rad_s / REST_STEPS)
     return longest

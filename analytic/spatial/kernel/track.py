@@ -140,11 +140,10 @@ def sample(s: Run, m: Memory, time: float, y: Floats) -> None:
 
 @jit
 def _vertex_state(s: Run, m: Memory, i: int) -> float:
-    if m.down[i] == 0 or s.mode == codes.FLIGHT:
+    does = codes.DOES[s.mode]
+    if m.down[i] == 0 or does == codes.FLIES:
         return FREE
-    if s.mode in (codes.FLAT_REST, codes.EDGE_STICK, codes.VERTEX_STICK):
-        return STICKS
-    return STICKS if s.mode in (codes.FLAT_PIVOT, codes.EDGE_PIVOT) and i == s.a else SLIDES
+    return STICKS if does == codes.STICKS or (does == codes.PIVOTS and i == s.a) else SLIDES
 
 
 @jit

@@ -23,8 +23,7 @@ def field(s: Run, m: Memory, t: float) -> Vector:
 def pass_breaks(s: Run, m: Memory) -> None:
     """Pass the breaks up to now, and note how far the motions are smooth."""
     s.limit_s = s.duration_s
-    for axis in range(3):
-        motion = m.motions[axis]
+    for motion in m.motions:
         while next_break_s(motion) <= s.time_s:
             motion.breaks_passed += 1
         s.limit_s = min(s.limit_s, next_break_s(motion))
