@@ -160,40 +160,23 @@ class Solution:
     state: State = field(repr=False)
     counts: Counts = field(repr=False)
     """What it cost, what it left out, and how often it was in doubt."""
-    history: Floats = field(repr=False)
-    """Rows of t, θ, θ̇, u, u̇, (5, n)."""
     event_rows: Records = field(repr=False)
     """The kernel's own records, made into what is asked of them when it is asked."""
+    t_s: Floats = field(repr=False)
+    """Times of the history, s (n,), and at each of them"""
+    theta_rad: Floats = field(repr=False)
+    """θ,"""
+    theta_rate_rad_s: Floats = field(repr=False)
+    """θ̇,"""
+    slip_m: Floats = field(repr=False)
+    """u and"""
+    slip_rate_m_s: Floats = field(repr=False)
+    """u̇."""
 
     @property
     def end_s(self) -> float:
         """When it ended, s."""
         return self.state.time_s
-
-    @property
-    def t_s(self) -> Floats:
-        """Times of the history, s."""
-        return np.asarray(self.history[0])
-
-    @property
-    def theta_rad(self) -> Floats:
-        """θ."""
-        return np.asarray(self.history[1])
-
-    @property
-    def theta_rate_rad_s(self) -> Floats:
-        """θ̇."""
-        return np.asarray(self.history[2])
-
-    @property
-    def slip_m(self) -> Floats:
-        """u."""
-        return np.asarray(self.history[3])
-
-    @property
-    def slip_rate_m_s(self) -> Floats:
-        """u̇."""
-        return np.asarray(self.history[4])
 
     @property
     def peak_theta_rad(self) -> float:

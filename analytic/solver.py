@@ -108,7 +108,7 @@ def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
         state, results, counts = task.run()
     task.history.setflags(write=False)
     history, rows = task.history[:, : counts.samples], task.events[: counts.events]
-    return Solution(OUTCOMES[state.outcome], results, params, state, counts, history, rows)
+    return Solution(OUTCOMES[state.outcome], results, params, state, counts, rows, *history)
 
 
 def simulate(

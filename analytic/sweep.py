@@ -135,18 +135,11 @@ def certify_rows(
 
 def _encoded(motions: Sequence[Motions]) -> tuple[Records, Records, tuple[Floats, ...]]:
     """Motions along x and z row by row, and the samples that the kernel knows by their address."""
-    known: dict[int, tuple[object, ...]] = {}
-    samples: list[Floats] = []
-
-    def values(motion: Excitation) -> tuple[object, ...]:
-        if id(motion) not in known:
-            params, times, accels = encode_motion(motion)
-            samples.extend((times, accels))
-            known[id(motion)] = row(params)
-        return known[id(motion)]
-
-    sides = [np.array([values(pair[k]) for pair in motions], MOTION_PARAMS) for k in (0, 1)]
-    return sides[0], sides[1], tuple(samples)
+    known = {id(motion): motion for pair in motions for motion in pair}
+    encoded = {key: encode_motion(motion) for key, motion in known.items()}
+    values = {key: row(params) for key, (params, *_) in encoded.items()}
+    x, z = (np.array([values[id(pair[k])] for pair in motions], MOTION_PARAMS) for k in (0, 1))
+    return x, z, tuple(array for _, *samples in encoded.values() for array in samples)
 
 
 def _run(rows: Rows) -> Out:
@@ -165,7 +158,7 @@ def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2:
 def _solution(params: Params, out: Out, i: int) -> Solution:
     ended, results, counts = (rows[i].item() for rows in out)
     state = State(*ended)
-    return Solution(OUTCOMES[state.outcome], Results(*results), params, state, Counts(*counts), NO_HISTORY, NO_EVENTS)
+    return Solution(OUTCOMES[state.outcome], Results(*results), params, state, Counts(*counts), NO_EVENTS, *NO_HISTORY)
 
 
 CHUNKS_PER_THREAD: Final = 16

@@ -182,30 +182,29 @@ NEAR_TIE: Final = 1e-3
 def findings_of(certified: Certified) -> tuple[Finding, ...]:
     """What is to be known of a run and its own numerical error."""
     run, until_s = certified.solution, certified.reliable_until_s
-    counts, limits = run.counts, run.validity
-    found = []
-    if not certified.outcome_is_sure:
-        found.append(changes_answer("outcome_changes_with_steps", outcomes=[each.value for each in certified.outcomes]))
-    if until_s < run.end_s and run.t_s.size == 0 and until_s <= 0.0:
-        found.append(caution("peak_not_bounded", uncertainty_rad=certified.uncertainty_rad))
-    elif until_s < run.end_s * (1.0 - SAME_END):
-        found.append(_from(run, until_s, caution("error_not_bounded", until_s=until_s, end_s=run.end_s)))
-    if counts.given_up:
-        found.append(changes_answer("run_given_up", at_s=run.end_s, steps=counts.steps))
-    if counts.tangents:
-        found.append(caution("near_tangent_events", steps=counts.tangents))
-    if counts.ties:
-        found.append(caution("several_joint_states", count=counts.ties))
-    if counts.dropped_rebounds:
-        found.append(info("impacts_died_out", count=counts.dropped_rebounds))
-    if run.results.outcome_margin < NEAR_TIE:
-        found.append(changes_answer("near_tie", margin=run.results.outcome_margin))
-    if run.energy_gained_j > 1e-9 * max(run.energy_lost_j, 1e-9):
-        found.append(caution("impacts_gained_energy", energy_j=run.energy_gained_j))
+    counts, limits, end_s = run.counts, run.validity, run.end_s
+    outcomes, margin, gained_j = (
+        [each.value for each in certified.outcomes],
+        run.results.outcome_margin,
+        run.energy_gained_j,
+    )
+    never = until_s < end_s and run.t_s.size == 0 and until_s <= 0.0
+    unbounded = _from(run, until_s, caution("error_not_bounded", until_s=until_s, end_s=end_s))
+    said = [
+        (not certified.outcome_is_sure, changes_answer("outcome_changes_with_steps", outcomes=outcomes)),
+        (never, caution("peak_not_bounded", uncertainty_rad=certified.uncertainty_rad)),
+        (not never and until_s < end_s * (1.0 - SAME_END), unbounded),
+        (counts.given_up, changes_answer("run_given_up", at_s=end_s, steps=counts.steps)),
+        (counts.tangents, caution("near_tangent_events", steps=counts.tangents)),
+        (counts.ties, caution("several_joint_states", count=counts.ties)),
+        (counts.dropped_rebounds, info("impacts_died_out", count=counts.dropped_rebounds)),
+        (margin < NEAR_TIE, changes_answer("near_tie", margin=margin)),
+        (gained_j > 1e-9 * max(run.energy_lost_j, 1e-9), caution("impacts_gained_energy", energy_j=gained_j)),
+    ]
     if limits is not None and limits.left_domain_s is not None:
         left = changes_answer("left_domain", at_s=limits.left_domain_s, by=limits.left_domain_by)
-        found.append(_from(run, limits.left_domain_s, left))
-    return tuple(found)
+        said.append((True, _from(run, limits.left_domain_s, left)))
+    return tuple(finding for holds, finding in said if holds)
 
 
 def _from(run: Solution, time_s: float, found: Finding) -> Finding:
@@ -226,7 +225,13 @@ def _run(scene: Scene, settings: TwoBlockSettings, solution: Solution, wall_s: f
     return Run(
         engine=TwoBlock.name,
         outcome=Outcome(solution.outcome.value),
-        history=History(*solution.history) if keep else None,
+        history=(
+            History(
+                solution.t_s, solution.theta_rad, solution.theta_rate_rad_s, solution.slip_m, solution.slip_rate_m_s
+            )
+            if keep
+            else None
+        ),
         settings=stated_settings(settings),
         steps=counts.steps,
         wall_s=wall_s,

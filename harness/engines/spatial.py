@@ -213,22 +213,19 @@ def _energy_j(scene: Scene, solution: Solution) -> Array:
 
 
 def _findings(certified: Certified, unfinished: Sequence[tuple[float, Solution]]) -> list[Finding]:
-    solution = certified.solution
-    found = [
-        caution("level_given_up", local_error=local, steps=tried.work.steps, at_s=tried.end_s)
-        for local, tried in unfinished
+    solution, until_s = certified.solution, certified.reliable_until_s
+    end_s, steps, several = solution.end_s, solution.work.steps, solution.ambiguous_states
+    said = [
+        (solution.outcome.value == "friction_paradox", changes_answer("no_consistent_motion", at_s=end_s)),
+        (solution.gave_up, changes_answer("run_given_up", at_s=end_s, steps=steps)),
+        (several, caution("several_joint_states", count=several)),
+        (not certified.outcome_is_sure, changes_answer("outcome_changes_with_steps", outcomes=[])),
+        (until_s < end_s * (1.0 - SAME_END), caution("error_not_bounded", until_s=until_s, end_s=end_s)),
     ]
-    if solution.outcome.value == "friction_paradox":
-        found.append(changes_answer("no_consistent_motion", at_s=solution.end_s))
-    if solution.gave_up:
-        found.append(changes_answer("run_given_up", at_s=solution.end_s, steps=solution.work.steps))
-    if solution.ambiguous_states:
-        found.append(caution("several_joint_states", count=solution.ambiguous_states))
-    if not certified.outcome_is_sure:
-        found.append(changes_answer("outcome_changes_with_steps", outcomes=[]))
-    if certified.reliable_until_s < solution.end_s * (1.0 - SAME_END):
-        found.append(caution("error_not_bounded", until_s=certified.reliable_until_s, end_s=solution.end_s))
-    return found
+    return [
+        *(caution("level_given_up", local_error=e, steps=run.work.steps, at_s=run.end_s) for e, run in unfinished),
+        *(finding for holds, finding in said if holds),
+    ]
 
 
 def beyond_base_s(scene: Scene, solution: Solution) -> float | None:
