@@ -39,7 +39,7 @@ from analytic.problem import (
     encode_base,
     encode_motion,
 )
-from analytic.solution import NO_EVENTS, OUTCOMES, Outcome, Solution
+from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Outcome, Solution
 
 run: Final = Entry("analytic.kernel.integrator", "run")
 
@@ -90,7 +90,8 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     dt = params.output_step_s
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
     memory = bytearray(TASK.itemsize)
-    history, events = np.zeros((5, instants)), np.zeros(event_rows, EVENT_ROW) if event_rows else NO_EVENTS
+    history = np.zeros((5, instants)) if instants else NO_HISTORY
+    events = np.zeros(event_rows, EVENT_ROW) if event_rows else NO_EVENTS
     table, rows = address(history) if instants else 0, address(events) if event_rows else 0
     output = table, max(instants - 1, 0), rows, event_rows
     base, motions = encode_base(problem), (*vars(x).values(), *vars(z).values())

@@ -11,7 +11,7 @@ import math
 from typing import Final
 
 from analytic.kernel import codes
-from analytic.kernel.codes import NONE, SAMPLED
+from analytic.kernel.codes import SAMPLED
 from analytic.kernel.compiler import jit, load_double
 from analytic.kernel.dynamics import place, vertex
 from analytic.kernel.forcing import is_jump, is_over, next_break_s, sampled_at
@@ -148,9 +148,8 @@ def skip_quiet(task: Task) -> None:
         _look_through(task)
         return
     # a formula is bounded by its amplitude: enough where the run needs no extremes of the forces on the way
-    bound_x = 0.0 if x.params.kind == NONE else abs(x.params.amplitude_m_s2)
-    bound_z = 0.0 if z.params.kind == NONE else abs(z.params.amplitude_m_s2)
-    if not params.keep_validity and stays(task, 0.0, params.gravity_m_s2 - bound_z, bound_x):
+    most_x, most_z = abs(x.params.amplitude_m_s2), abs(z.params.amplitude_m_s2)
+    if not params.keep_validity and stays(task, 0.0, params.gravity_m_s2 - most_z, most_x):
         hold(task, params.duration_s)
 
 

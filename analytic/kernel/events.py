@@ -9,7 +9,7 @@ from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit, load_double, set_term, term
 from analytic.kernel.dynamics import vertex
 from analytic.kernel.joint_state import corner, falling, lift_margin, slip_rate_zeros, stick_margin, theta_rate_zeros
-from analytic.kernel.polynomial import NO_ROOT, first_root, leading, remainder
+from analytic.kernel.polynomial import NO_ROOT, first_root, leading, value
 from analytic.kernel.records import Floats, Task
 
 
@@ -49,7 +49,7 @@ def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: F
         return FirstEvent(best.fraction, best.kind, best.side, level, best.residual)
     residual = terms
     if kind != codes.IMPACT and kind != codes.STICK_ONSET:
-        residual = remainder(task.series.event, n, x) / terms if terms > 0.0 else 0.0
+        residual = abs(value(task.series.event, n, x)) / terms if terms > 0.0 else 0.0
     return FirstEvent(x, kind, side, level, residual)
 
 
@@ -207,13 +207,12 @@ def _friction(task: Task, n: int, h: float, bounds: Bounds, best: FirstEvent) ->
 
 
 @inlined
-def _carried(row: Floats, n: int, h: float, start: int) -> float:
-    """Bound of what the terms from start on carry a series by within the step."""
+def _carried(row: Floats, n: int, h: float) -> float:
+    """Bound of what the terms from the first power on carry a series by within the step."""
     total, power = 0.0, 1.0
     for k in range(1, n + 1):
         power *= h
-        if k >= start:
-            total += abs(term(row, k)) * power
+        total += abs(term(row, k)) * power
     return total
 
 
@@ -226,7 +225,7 @@ def _wall(task: Task, n: int, h: float, turning: float, best: FirstEvent) -> Fir
     state, series, params, base = task.state, task.series, task.params, task.base
     side, slides, rocks = params.wall_side, state.slide != 0, state.pivot >= 0
     turned = abs(series.theta_rate[0]) * h + turning if rocks else 0.0
-    slid = _carried(series.slip, n, h, 1) if slides else 0.0
+    slid = _carried(series.slip, n, h) if slides else 0.0
     if slides and side * series.slip[0] + slid >= params.wall_pedestal_m:
         best = _seek(task, series.slip, n, -side, side * params.wall_pedestal_m, h, 0, codes.AT_WALL, side, best)
     pivot = state.pivot if rocks else state.facet

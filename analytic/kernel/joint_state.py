@@ -134,25 +134,17 @@ def _moves(rate: Floats, lead: int, n: int, sign: int) -> int:
 @inlined
 def _keeps_signs(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: bool, n: int) -> int:
     """1 if the accelerations of the expanded joint state keep its signs, 0 if not, UNSURE if that takes more than n terms."""
-    series = task.series
+    series, verdict = task.series, 1
     if rock_free and pivot >= 0:
         verdict = _moves(series.theta_rate, theta_rate_zeros(task, n), n, 1 if pivot > task.state.facet else -1)
-        if verdict != 1:
-            return verdict
-    if slide_free and slide != 0:
+    if verdict == 1 and slide_free and slide != 0:
         verdict = _moves(series.slip_rate, slip_rate_zeros(task, pivot, n), n, slide)
-        if verdict != 1:
-            return verdict
     for side in (1, -1):
-        if rock_free and pivot < 0:
+        if verdict == 1 and rock_free and pivot < 0:
             verdict = _holds(task, lift_margin(task, side, n - 1), n - 1)
-            if verdict != 1:
-                return verdict
-        if slide_free and slide == 0:
+        if verdict == 1 and slide_free and slide == 0:
             verdict = _holds(task, stick_margin(task, side, n - 1), n - 1)
-            if verdict != 1:
-                return verdict
-    return 1
+    return verdict
 
 
 @jit

@@ -254,12 +254,6 @@ def first_root(row: Floats, lo: int, n: int, h: float) -> Search:
 
 
 @inlined
-def remainder(row: Floats, n: int, x: float) -> float:
-    """|Σ row[k] x^k| of a row that has taken on the powers of the step."""
-    return abs(value(row, n, x))
-
-
-@inlined
 def leading(row: Floats, n: int, scale: float, time_s: float) -> int:
     """Index of the first coefficient that is more than rounding: |row[k]| time_s^k above its share of scale; n + 1 if none."""
     power = 1.0
