@@ -105,6 +105,9 @@ class Excitation(ABC):
 class ZeroExcitation(Excitation):
     """No motion."""
 
+    end_s = 0.0
+    peak_m_s2 = 0.0
+
     def accel_m_s2(self, t_s: ArrayLike) -> Floats:
         """Zeros of the shape of t_s."""
         return np.zeros_like(np.asarray(t_s, dtype=np.float64))
@@ -119,16 +122,6 @@ class ZeroExcitation(Excitation):
     def straight_s(self, duration_s: float) -> Floats:
         """None are needed."""
         return np.empty(0)
-
-    @property
-    def end_s(self) -> float:
-        """Zero."""
-        return 0.0
-
-    @property
-    def peak_m_s2(self) -> float:
-        """Zero."""
-        return 0.0
 
     def scaled(self, factor: float) -> Self:
         """Itself."""

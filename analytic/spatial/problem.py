@@ -67,10 +67,9 @@ class Body:
             "vertices_m: at least three finite (x, y, z) are wanted, {} came.",
             vertices.shape,
         )
-        for name, value in (("mass_kg", float(mass_kg)), ("inertia_kg_m2", inertia), ("vertices_m", vertices)):
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-            object.__setattr__(self, name, value)
+        for each in (inertia, vertices):
+            each.setflags(write=False)
+        vars(self).update(mass_kg=float(mass_kg), inertia_kg_m2=inertia, vertices_m=vertices)
 
     @classmethod
     def block(cls, mass_kg: float, width_m: float, depth_m: float, height_m: float) -> Self:

@@ -39,8 +39,6 @@ STILL_M_S: Final = 1e-11
 """Slowest sliding; where the local error is larger, ten times that: a slower velocity has no direction but that of the error."""
 SETTLE_M: Final = 1e-14
 """A rebound lower than this, or than the tolerance, is dropped."""
-ADDRESSES: Final = "history", "event_table", "interval_table"
-"""Where a memory keeps the address of each array of a task, in the task's order."""
 ROWS: Final = 4096
 """Of the tables of events and intervals at the first try, more than nearly any run has: a run that has more is repeated with
 enough, and rows that are never written take no memory."""
@@ -111,8 +109,8 @@ def prepare(
         motions,
     )
     # Addresses, not arrays: a record's layout must not depend on the length of a motion or a history.
-    for name, array in zip(ADDRESSES, task[2:5], strict=True):
-        memory[name] = array.ctypes.data
+    arrays = task.history, task.events, task.intervals
+    memory["history"], memory["event_table"], memory["interval_table"] = (each.ctypes.data for each in arrays)
     memory["instants"], memory["rows"] = instants, rows
     return task
 
@@ -198,9 +196,7 @@ def read(problem: Problem, task: Task) -> Solution:
     record, state = task.run[0], task.memory["y"][0]
     n = len(problem.body.vertices_m)
     history = task.history[: int(record["samples"])]
-    turn = history[:, 4:8]
-    turn = turn / np.linalg.norm(turn, axis=1, keepdims=True) if len(turn) else turn
-    table = task.events[: int(record["events"])]
+    turn = history[:, 4:8] / np.linalg.norm(history[:, 4:8], axis=1, keepdims=True)
     return Solution(
         t_s=history[:, 0],
         position_m=history[:, 1:4],
@@ -211,7 +207,7 @@ def read(problem: Problem, task: Task) -> Solution:
         outcome=OUTCOMES[int(record["outcome"])],
         end_s=float(record["time_s"]),
         peak_tilt_rad=float(record["peak_tilt_rad"]),
-        events=tuple(_event(row, n) for row in table),
+        events=tuple(_event(row, n) for row in task.events[: int(record["events"])]),
         intervals=_intervals(task.intervals[: int(record["intervals"])], float(record["time_s"])),
         energy_lost_at_impacts_j=float(record["impact_loss_j"]),
         energy_lost_by_sliding_j=float(state[STATE - 1]),
