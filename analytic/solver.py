@@ -313,11 +313,9 @@ def certified(first: Solution, others: tuple[Solution, ...], accuracy: tuple[flo
 
 def _spread(first: Solution, others: tuple[Solution, ...], accuracy: tuple[float, float]) -> tuple[float, float, float]:
     """Uncertainties of rotation, rad, and slip, m, and the time until which they hold, s; `accuracy` is asked of the two."""
-    if first.t_s.size == 0:
-        turned = SAFETY * max(abs(other.peak_theta_rad - first.peak_theta_rad) for other in others)
-        slid = SAFETY * max(abs(other.peak_slip_m - first.peak_slip_m) for other in others)
-        until = min(s.results.peak_time_s for s in (first, *others)) if _parted(first, others) else first.end_s
-        return turned, slid, (until if turned <= accuracy[0] else 0.0)
+    if first.t_s.size == 0:  # then one other run is the check
+        a, b, until = peaks_apart(first.results, others[0].results, first.end_s, accuracy[0])
+        return float(a), float(b), float(until)
     size = min(solution.t_s.size for solution in (first, *others)) - 1
     turned, slid = (
         np.abs(np.stack([getattr(other, name)[:size] for other in others]) - getattr(first, name)[:size])
@@ -338,7 +336,13 @@ def within(
     return float(a[:reliable].max(initial=0.0)), float(b[:reliable].max(initial=0.0)), until
 
 
-def _parted(first: Solution, others: tuple[Solution, ...]) -> bool:
-    """Whether runs without a history took different paths, of which an equal peak before they parted tells nothing."""
-    most = max(solution.energy_lost_j for solution in (first, *others))
-    return any(abs(other.energy_lost_j - first.energy_lost_j) > PARTED * most for other in others)
+def peaks_apart(first: Any, other: Any, end_s: Any, accuracy_rad: float) -> tuple[Any, Any, Any]:
+    """Uncertainties of peak rotation, rad, and peak slip, m, and the time until which they hold, s, by the results of a run and
+    of the one that checks it: of a pair of `Results`, or of tables of them (n,)."""
+    turned = SAFETY * abs(abs(other.peak_theta_rad) - abs(first.peak_theta_rad))
+    slid = SAFETY * abs(other.peak_slip_m - first.peak_slip_m)
+    # Of runs that took different paths an equal peak before they parted tells nothing.
+    most = np.maximum(first.energy_lost_j, other.energy_lost_j)
+    parted = abs(other.energy_lost_j - first.energy_lost_j) > PARTED * most
+    until = np.where(parted, np.minimum(first.peak_time_s, other.peak_time_s), end_s)
+    return turned, slid, np.where(turned <= accuracy_rad, until, 0.0)

@@ -36,13 +36,12 @@ from analytic.kernel.records import (
 from analytic.problem import HELD, Keywords, Options, Problem, encode, encode_base, encode_motion, stated
 from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Solution
 from analytic.solver import (
-    PARTED,
-    SAFETY,
     SECOND_RUN_SHARE,
     Certified,
     address,
     certified,
     longest_step_s,
+    peaks_apart,
     rounding,
     run,
 )
@@ -122,13 +121,8 @@ def certify_rows(
     finer["gravity_m_s2"] *= 1.0 + rounding(first.counts["steps"])
     finer["time_scale_s"] = _time_scale_s(bodies, body, finer["gravity_m_s2"])
     other = _run(Rows(finer, *sides[:2], bases, sides[2]))
-    a, b = first.results, other.results
-    turned = SAFETY * np.abs(np.abs(b["peak_theta_rad"]) - np.abs(a["peak_theta_rad"]))
-    slid = SAFETY * np.abs(b["peak_slip_m"] - a["peak_slip_m"])
-    most = PARTED * np.maximum(a["energy_lost_j"], b["energy_lost_j"])
-    parted = np.abs(b["energy_lost_j"] - a["energy_lost_j"]) > most
-    until = np.where(parted, np.minimum(a["peak_time_s"], b["peak_time_s"]), first.states["time_s"])
-    until = np.where(turned <= accuracy_rad, until, 0.0)
+    a, b = (each.results.view(np.recarray) for each in (first, other))
+    turned, slid, until = peaks_apart(a, b, first.states["time_s"], accuracy_rad)
     left_rad = np.where(first.counts["dropped_rebounds"] > 0, params["rest_rad"], 0.0)
     return CertifiedRows(bodies, body, first, other, np.maximum(turned, left_rad), slid, until, accuracy_rad)
 
