@@ -36,8 +36,8 @@ class Side:
     """What the verdict needs to know of one run; None: not stated.
 
     `uncertainty_rad` and `slip_uncertainty_m` bound the numerical errors up to `reliable_until_s`; `horizon_s` is how far the
-    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions,
-    `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
+    model's own perturbed starts stay together; `left_domain_s` is when the model first broke one of its assumptions (infinite:
+    never), `left_domain_by` which. `axes` are the axes of the floor's motion that it was given; `across_s` is when it
     left the rocking plane's balance across it: fell for good over its front or back, or ends leaning beyond it.
     `resolution_rad` and `resolution_m` are how far the digits of a file leave its history open. `floor_impact` is the coefficient
     of the floor that an engine takes at impacts, whatever the scene's choice; empty of one that takes the scene's.
@@ -52,7 +52,7 @@ class Side:
     slip_uncertainty_m: float | None = None
     reliable_until_s: float | None = None
     horizon_s: float | None = None
-    left_domain_s: float | None = None
+    left_domain_s: float = math.inf
     left_domain_by: str = ""
     axes: tuple[str, ...] | None = None
     across_s: float | None = None
@@ -113,7 +113,7 @@ def side_of(
         answer.slip_uncertainty_m,
         answer.reliable_until_s,
         horizon_s,
-        left_s,
+        math.inf if left_s is None else left_s,
         by,
         None if answer.motion_axes is None else tuple(answer.motion_axes),
         _across_s(answer),
@@ -231,14 +231,10 @@ def _decide(
     a: Side, b: Side, exceeded_s: float | None, end_s: float, flips: bool, *, aside: bool
 ) -> tuple[Verdict, Side | None]:
     """The verdict, and the side that left its domain where that decides; `aside`: one alone moves across the plane."""
-    exits = [side for side in (a, b) if side.left_domain_s is not None]
-    first = min(exits, key=lambda side: side.left_domain_s or 0.0, default=None)
-    left_s = math.inf if first is None or first.left_domain_s is None else first.left_domain_s
-    until_s = min(a.until_s, b.until_s)
+    first = min((a, b), key=lambda side: side.left_domain_s)
+    left_s, until_s = first.left_domain_s, min(a.until_s, b.until_s)
     if exceeded_s is None:
-        slides = (
-            first is not None and first.left_domain_by == SLIDES and max(a.statue_slip_m, b.statue_slip_m) > SLIDES_M
-        )
+        slides = first.left_domain_by == SLIDES and max(a.statue_slip_m, b.statue_slip_m) > SLIDES_M
         if not (flips or slides):
             return (Verdict.PLANE if aside else Verdict.AGREE), None
         if left_s < math.inf:
