@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, timed_step_s
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import require, required
 from harness.model.finding import Axes, Shown, new_axes
 from harness.model.run import machine, versions
 from harness.model.scene import Scene, Uncertain, must_be_scene
@@ -114,9 +114,8 @@ class Assessed(Shown):
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw how probable a fall is by the strength of the whole motion, as a factor on it. Raises `InputError` without any."""
-        curve = self.record.fragility
-        if curve is None:
-            raise InputError(Mistake("assess", "plot", "a scene with a motion to make stronger", self.record.title))
+        wanted = "a scene with a motion to make stronger"
+        curve = required(self.record.fragility, "assess", wanted, self.record.title, key="plot")
         ax = new_axes(ax)
         ax.plot(curve.factor, curve.probability_overturned, marker="o", label=curve.model)
         if curve.low and curve.high:

@@ -17,7 +17,7 @@ from harness.accuracy.simulation import simulate
 from harness.engines.spatial import LEVELS, problem_of
 from harness.input.mesh_statue import statue_of
 from harness.input.mistakes import UserTable
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import InputError, Mistake, required
 from harness.model.history import History, Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
@@ -54,10 +54,8 @@ class EffectCondition:
 
 def solid_of(scene: Scene) -> Solid:
     """The scene's mesh; raises `InputError` for a statue given by numbers alone."""
-    if scene.statue.solid is None:
-        advice = "a block given by numbers has no azimuth"
-        raise InputError(Mistake(str(scene.source or "scene"), "statue.mesh", "a mesh", "numbers alone", advice))
-    return scene.statue.solid
+    where, advice = str(scene.source or "scene"), "a block given by numbers has no azimuth"
+    return required(scene.statue.solid, where, "a mesh", "numbers alone", advice, key="statue.mesh")
 
 
 def with_solid(scene: Scene, solid: Solid) -> Scene:
@@ -156,9 +154,9 @@ def departure(scene: Scene, azimuth_deg: float, engine: str, floor_g: float, dt_
     turned = changed_scene(scene, BASELINE, azimuth_deg)
     shaken = amplified(turned, floor_g / peak_g(turned))
     run = run_once(shaken, engine, dt_s, history=True)
-    if run.history is None:
-        raise InputError(Mistake(engine, "history", "a run with a history", run.message or run.outcome.value))
-    extra, theta = run.history.extra, run.history.theta_rad
+    said = run.message or run.outcome.value
+    history = required(run.history, engine, "a run with a history", said, key="history")
+    extra, theta = history.extra, history.theta_rad
     standing = np.hypot(theta, extra["out_of_plane_rad"]) < UPRIGHT_RAD
     until = len(theta) if standing.all() else int(np.argmin(standing))
     yaw, across = (extra[name][:until] - extra[name][0] for name in ("yaw_rad", "statue_y_m"))
@@ -173,7 +171,7 @@ def departure(scene: Scene, azimuth_deg: float, engine: str, floor_g: float, dt_
         across_m=float(np.abs(across).max()),
         yaw_left_rad=float(yaw[-1]),
         walked_m=float(math.hypot(across[-1], extra["statue_slip_m"][until - 1])),
-        corner_share=corner_share(shaken, run.history, until),
+        corner_share=corner_share(shaken, history, until),
     )
 
 

@@ -14,7 +14,7 @@ from harness.accuracy.forecast import (
     run_s,
     worth_a_process,
 )
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.scene import Scene
 from harness.questions.scene.left_out import TAKEN_AWAY
 from harness.questions.scene.witness import BUDGET, plain_names
@@ -66,15 +66,15 @@ def check(
     """
     wanted = numbers(scene, list(engines.values()))
     there = _memory_bytes() if memory_bytes is None else memory_bytes
-    if wanted * NUMBER_BYTES > there:
-        got = (
-            f"{scene.output_dt_s:g}: {scene.duration_s / scene.output_dt_s:.2g} samples of each model, "
-            f"about {wanted * NUMBER_BYTES / 1e9:.2g} GB"
-        )
-        mistake = f"histories that the memory here holds ({there / 1e9:.2g} GB)"
-        raise InputError(
-            Mistake(where, "output.dt_s", mistake, got, "a longer step, a shorter duration_s, fewer engines")
-        )
+    require(
+        wanted * NUMBER_BYTES <= there,
+        where,
+        f"histories that the memory here holds ({there / 1e9:.2g} GB)",
+        f"{scene.output_dt_s:g}: {scene.duration_s / scene.output_dt_s:.2g} samples of each model, "
+        f"about {wanted * NUMBER_BYTES / 1e9:.2g} GB",
+        "a longer step, a shorter duration_s, fewer engines",
+        key="output.dt_s",
+    )
     runs = {name: run_s(name, scene, accuracy_rad, dt_s) for name in engines}
     in_space = {name for name, dimensions in engines.items() if dimensions == 3 and len(engines) > 1}
     beside = {name for name in in_space if worth_a_process(name, runs[name])}
@@ -100,11 +100,14 @@ def check(
         spent_s, RESULT_S, *asked, *known, *(each for name, each in runs.items() if name not in beside)
     )
     total = own.and_also(*apart)
-    if total.middle > LONGEST_S:
-        key = "duration_s" if dt_s is None else "--dt"
-        advice = "a shorter motion, a coarser --accuracy or --dt, or fewer engines"
-        most = f"work of at most {duration_words(LONGEST_S)}"
-        raise InputError(Mistake(where, key, most, forecast_words(*total), advice))
+    require(
+        total.middle <= LONGEST_S,
+        where,
+        f"work of at most {duration_words(LONGEST_S)}",
+        forecast_words(*total),
+        "a shorter motion, a coarser --accuracy or --dt, or fewer engines",
+        key="duration_s" if dt_s is None else "--dt",
+    )
     if total.most < REPORTED_FROM_S:
         return ""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

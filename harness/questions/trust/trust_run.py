@@ -17,7 +17,7 @@ from harness.accuracy.forecast import run_s
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
-from harness.model.errors import InputError, Mistake, check_known
+from harness.model.errors import InputError, check_known, require
 from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
 from harness.model.run import MOST_TIMES, machine, versions
 from harness.model.run_set import grouped
@@ -302,10 +302,9 @@ def engines_of(scene: Scene, names: Sequence[str] | None, *, coarse: bool) -> tu
         # A planar scene in three dimensions is the planar answer again.
         quick = [item for item in here if item.capabilities.dimensions == 2 or item.name == engines.EXACT_IN_SPACE]
         here = quick if coarse or scene.planar else here
-    if not here or (names and here != others):
-        got = "; ".join(f"{item.name}: {item.missing()}" for item in others if item not in here) or f"{MODEL} alone"
-        wanted = "engines that are installed, one of them beside the analytic model, to hold it against"
-        raise InputError(Mistake("--engine", "", wanted, got))
+    got = "; ".join(f"{item.name}: {item.missing()}" for item in others if item not in here) or f"{MODEL} alone"
+    wanted = "engines that are installed, one of them beside the analytic model, to hold it against"
+    require(here and (not names or here == others), "--engine", wanted, got)
     return (MODEL, *(item.name for item in here))
 
 
