@@ -255,9 +255,7 @@ def scored_drops(measured: MeasuredSet) -> MeasuredRecord:
     wanted = "four drops that begin in flight and come to rest"
     require(len(drops) >= 4, str(measured.table), wanted, str(len(drops)))
     fitted, rest = measured.shares(len(drops))
-    scored = _Scored(drops, fitted, rest)
-    rows: Rows = []
-    each: Rows = []
+    answered: list[tuple[Model, dict[str, list[int | None]]]] = []
     failed: list[Finding] = []
     for place, model in enumerate(models):
 
@@ -267,11 +265,9 @@ def scored_drops(measured: MeasuredSet) -> MeasuredRecord:
         answers = turns_by_drop(by_name(measured.pool, partial(turns, base, model, count, seed), drops, told), count)
         if isinstance(answers, str):
             failed.append(caution("model_not_run", model=model.name, reason=answers))
-            continue
-        row, one = scored.by_model(model, answers, coefficients(count, seed))
-        rows.append(row)
-        each += one
-    rows += scored.by_none()
+        else:
+            answered.append((model, answers))
+    rows, each = _scored(drops, fitted, rest, answered, coefficients(count, seed))
     fall = float(np.median([drops[k].fall_m_s2 for k in fitted]))
     found = [caution("drops_dragged", fall_m_s2=fall, drag_m_s2=base.gravity_m_s2 - fall), *failed]
     if refused:
@@ -285,42 +281,41 @@ def scored_drops(measured: MeasuredSet) -> MeasuredRecord:
     )
 
 
-class _Scored:
-    """The drops that are fitted on and those that are scored, with what needs no model of each."""
+def _scored(
+    drops: Sequence[Drop],
+    fitted: Sequence[int],
+    rest: Sequence[int],
+    answered: Sequence[tuple[Model, Mapping[str, Sequence[int | None]]]],
+    drawn: Array,
+) -> tuple[Rows, Rows]:
+    """A row for each model and for what needs none, fitted on some drops, scored on the rest; for each of these one by model."""
+    turned = [drops[k].turn - drops[k].face for k in fitted]
+    behind = np.array([smoothed([turn + drop.face for turn in turned]) for drop in drops])
+    seen = [drops[k].turn for k in rest]
+    bare = {name: values[rest] for name, values in baselines(drops).items()}
 
-    def __init__(self, drops: Sequence[Drop], fitted: Sequence[int], rest: Sequence[int]) -> None:
-        self._drops, self._fitted, self._rest = drops, fitted, rest
-        turned = [drops[k].turn - drops[k].face for k in fitted]
-        self._behind = np.array([smoothed([turn + drop.face for turn in turned]) for drop in drops])
-        self._seen = [drops[k].turn for k in rest]
-        self._bare = {name: values[rest] for name, values in baselines(drops).items()}
+    def scores(name: str, likely: Array) -> list[Cell]:
+        own = log_scores(likely, seen)
+        gains = [log_scores(values, seen) - own for values in bare.values()]
+        told = [float(each) for gain in gains for each in (gain.mean(), gain.std(ddof=1) / np.sqrt(gain.size))]
+        return [name, float(own.mean()), float(crps(likely, seen).mean()), *told]
 
-    def by_model(self, model: Model, answers: dict[str, list[int | None]], drawn: Array) -> tuple[Sequence[Cell], Rows]:
-        """A model's row, and one for each scored drop."""
-        drops = self._drops
-        fitting, rest = ({drops[k].name: answers[drops[k].name] for k in part} for part in (self._fitted, self._rest))
-        best = fit(drawn, fitting, self._behind[self._fitted], [drops[k].turn for k in self._fitted])
-        likely = forecast(best, drawn, rest, self._behind[self._rest])
-        scores, ranked = log_scores(likely, self._seen), crps(likely, self._seen)
+    rows: Rows = []
+    by_drop: Rows = []
+    for model, answers in answered:
+        fitting, others = ({drops[k].name: answers[drops[k].name] for k in part} for part in (fitted, rest))
+        best = fit(drawn, fitting, behind[fitted], [drops[k].turn for k in fitted])
+        likely = forecast(best, drawn, others, behind[rest])
         lost = float(np.mean([turn is None for found in answers.values() for turn in found]))
         (e, mu), (e_sd, mu_sd) = best.means, best.widths
         restitution = (None, None) if model.engine in engines.PLASTIC_THROWN else (e, e_sd)
-        row = [*self._row(model.name, likely), *restitution, mu, mu_sd, best.background, lost]
-        one: Rows = [
-            [drop, model.name, turn, float(np.exp(-score)), float(score), float(rank)]
-            for drop, turn, score, rank in zip(rest, self._seen, scores, ranked, strict=True)
+        rows.append([*scores(model.name, likely), *restitution, mu, mu_sd, best.background, lost])
+        by_drop += [
+            [name, model.name, turn, float(np.exp(-score)), float(score), float(rank)]
+            for name, turn, score, rank in zip(others, seen, log_scores(likely, seen), crps(likely, seen), strict=True)
         ]
-        return row, one
-
-    def by_none(self) -> Rows:
-        """Rows of the baselines."""
-        return [[*self._row(name, values), *[None] * 6] for name, values in self._bare.items()]
-
-    def _row(self, name: str, likely: Array) -> list[Cell]:
-        scores = log_scores(likely, self._seen)
-        gains = [log_scores(bare, self._seen) - scores for bare in self._bare.values()]
-        told = [float(each) for gain in gains for each in (gain.mean(), gain.std(ddof=1) / np.sqrt(gain.size))]
-        return [name, float(scores.mean()), float(crps(likely, self._seen).mean()), *told]
+    rows += [[*scores(name, values), *[None] * 6] for name, values in bare.items()]
+    return rows, by_drop
 
 
 def _answer(rows: Sequence[Sequence[Cell]], scored: int, count: int) -> Answer:

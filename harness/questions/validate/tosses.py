@@ -239,17 +239,17 @@ class Errors:
 
 def scored(base: Scene, model: Model, coefficients: Sequence[Coefficients], toss: Toss) -> list[Errors | str]:
     """The errors of a toss with each pair of coefficients, or the sentence with which the engine failed."""
-    return [_one(base, model, item, toss) for item in coefficients]
-
-
-def _one(base: Scene, model: Model, item: Coefficients, toss: Toss) -> Errors | str:
-    scene = scene_of(base, toss, item)
-    run = simulate_with(engines.load(model.engine), scene, target_of(model, toss.frame_s, STEPS_A_FRAME))
-    if run.history is None:
-        return run.message or run.outcome.value
-    if not began_as_asked(toss, scene.statue, run.history):
-        return "its start did not take: its first pose is another one"
-    return errors(toss, scene.statue, run.history)
+    engine, target = engines.load(model.engine), target_of(model, toss.frame_s, STEPS_A_FRAME)
+    found: list[Errors | str] = []
+    for item in coefficients:
+        run = simulate_with(engine, scene_of(base, toss, item), target)
+        if run.history is None:
+            found.append(run.message or run.outcome.value)
+        elif not began_as_asked(toss, base.statue, run.history):
+            found.append("its start did not take: its first pose is another one")
+        else:
+            found.append(errors(toss, base.statue, run.history))
+    return found
 
 
 def began_as_asked(toss: Toss, body: Statue, history: History) -> bool:
