@@ -124,9 +124,10 @@ LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips", "beyond_
 """What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal, a lean
 beyond the statue's base."""
 PATTERNS: Final = ("rest", "sliding", "rocking", "both")
-NO_HISTORY: Final[NDArray[np.float64]] = np.zeros((5, 0))
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 NO_TIMES: Final[NDArray[np.float64]] = np.zeros(0)
+NO_HISTORY: Final = (NO_TIMES,) * 5
+"""The columns of a run without one."""
 
 
 def _optional(value: float) -> float | None:

@@ -90,7 +90,7 @@ def prepare(problem: Problem, params: Params, event_rows: int) -> Prepared:
     dt = params.output_step_s
     instants = math.floor(params.duration_s / dt * WHOLE) + 2 if dt > 0.0 else 0
     memory = bytearray(TASK.itemsize)
-    history = np.zeros((5, instants)) if instants else NO_HISTORY
+    history = np.empty((5, instants))
     events = np.zeros(event_rows, EVENT_ROW) if event_rows else NO_EVENTS
     table, rows = address(history) if instants else 0, address(events) if event_rows else 0
     output = table, max(instants - 1, 0), rows, event_rows
@@ -108,7 +108,8 @@ def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
         task = prepare(problem, params, counts.events)
         state, results, counts = task.run()
     task.history.setflags(write=False)
-    history, rows = task.history[:, : counts.samples], task.events[: counts.events]
+    history = NO_HISTORY if options.dt_s is None else task.history[:, : counts.samples]
+    rows = task.events[: counts.events]
     return Solution(OUTCOMES[state.outcome], results, params, state, counts, rows, *history)
 
 
