@@ -18,11 +18,18 @@ UPPER_FACES = [[1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]]
 BOX_FACES = np.array([*LOWER_FACES, *UPPER_FACES])
 
 
-def box(width: float, depth: float, height: float) -> tuple[Array, Faces]:
-    """An axis-parallel box with a corner at the origin."""
+def box(
+    width: float, depth: float, height: float, corner: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> tuple[Array, Faces]:
+    """An axis-parallel box from its lowest corner."""
     plan = np.array([[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]])
     low = np.column_stack([plan, np.zeros(4)])
-    return np.vstack([low, low + np.array([0.0, 0.0, height])]), BOX_FACES.copy()
+    return np.vstack([low, low + np.array([0.0, 0.0, height])]) + np.array(corner), BOX_FACES.copy()
+
+
+def slab(half_width: float, half_depth: float, low: float, high: float) -> tuple[Array, Faces]:
+    """A box about the z axis, between two heights."""
+    return box(2.0 * half_width, 2.0 * half_depth, high - low, (-half_width, -half_depth, low))
 
 
 def prism(outline: Array, depth: float) -> tuple[Array, Faces]:
@@ -37,6 +44,12 @@ def cylinder(radius: float, height: float, around: int = 128) -> tuple[Array, Fa
     turn = 2.0 * np.pi * np.arange(around) / around
     ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros(around)])
     return loft(np.stack([ring, ring + np.array([0.0, 0.0, height])]))
+
+
+def together(*parts: Part) -> Part:
+    """The surfaces of all parts in one mesh, as they are."""
+    begin = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    return np.vstack([part[0] for part in parts]), np.vstack([p[1] + k for p, k in zip(parts, begin, strict=False)])
 
 
 def union(parts: Sequence[Part]) -> Part:

@@ -11,18 +11,11 @@ from meshes import MeshError, Solid
 from meshes.beside import attached_beside
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare_mesh
-from meshes.repair import Part
 from reports.cli import scans
 from reports.cli.options import ScanOptions
 from tests.budgets_meshes import CUT_VOLUME_REL
-from tests.meshes.loft import loft
 from tests.meshes.scanner import write
-from tests.meshes.shapes import union
-
-
-def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Part:
-    corners = np.array([[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
-    return loft(np.stack([np.column_stack([corners, np.full(4, height)]) for height in z]))
+from tests.meshes.shapes import box, cylinder, union
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +23,11 @@ def bodies(statue: Solid) -> dict[str, RawMesh]:
     """The generated statue with a wall (closed, turned, as a scanner sees it), a second statue and a column at its side."""
     vertices, faces = np.array(statue.vertices_m), np.array(statue.faces)
     back, right = float(vertices[:, 1].min()), float(vertices[:, 0].max())
-    walled, faces_walled = union([(vertices, faces), box((-1.5, 1.5), (back - 0.08, back + 0.02), (0.0, 3.0))])
+    walled, faces_walled = union([(vertices, faces), box(3.0, 0.1, 3.0, (-1.5, back - 0.08, 0.0))])
     turn = np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
     wall = RawMesh(walled, faces_walled, "wall")
     front = wall.with_faces(faces_walled[walled[faces_walled][:, :, 1].min(axis=1) > back - 0.07])
-    column = union([(vertices, faces), box((right - 0.02, right + 0.35), (-0.2, 0.2), (0.0, 1.0))])
+    column = union([(vertices, faces), box(0.37, 0.4, 1.0, (right - 0.02, -0.2, 0.0))])
     return {
         "a wall": wall,
         "a turned wall": wall.moved(walled @ turn.T),
@@ -69,9 +62,7 @@ def test_what_is_the_statue_s_own_is_kept_when_told(bodies: dict[str, RawMesh]) 
 
 def test_a_cut_through_vertices_is_closed_like_any_other() -> None:
     """A drum of 48 sides cut where a column of its vertices stands, as a file in single precision has it."""
-    angles = np.arange(48) * np.pi / 24.0
-    ring = 0.2 * np.column_stack([np.cos(angles), np.sin(angles)])
-    vertices, faces = loft(np.stack([np.column_stack([ring, np.full(48, height)]) for height in (0.0, 1.2)]))
+    vertices, faces = cylinder(0.2, 1.2, around=48)
     drum = RawMesh(vertices.astype(np.float32).astype(np.float64), faces, "drum")
     through, beside = (
         prepare_mesh(drum, Wanted(unit="m", up="z", cut_beyond=(0.0, distance_m))).solid(density_kg_m3=1.0).mass_kg

@@ -1,4 +1,4 @@
-"""Convex parts stay within the statue's hull and cover the statue, are the same each time, and are made once for a mesh."""
+"""A hull of few corners lies within the full one; convex parts cover the statue, are the same each time, and made once."""
 
 import hashlib
 import json
@@ -9,9 +9,10 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from meshes import MeshError, Solid, coacd_alone, decomposition
+from meshes.collision import thinned
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.solid import solid_from_mesh
-from tests.budgets_meshes import BOXES_REL, PARTS_MISSING_REL, WITHIN_HULL_M
+from tests.budgets_meshes import BOXES_REL, HULL_GAP_M, PARTS_MISSING_REL, WITHIN_HULL_M
 from tests.meshes import toadstool
 from tests.meshes.shapes import box, misfit
 
@@ -152,3 +153,22 @@ def test_parts_that_others_could_have_put_there_are_not_taken(own_folder: Path, 
         own_folder.symlink_to(own_folder.with_name("elsewhere"))
     parts_of.cache_clear()
     assert same(first, parts_of(body))
+
+
+def test_a_hull_within_a_budget_nears_the_full_one_from_inside(statue: Solid) -> None:
+    full = ConvexHull(statue.vertices_m)
+    (small, wide_m), (large, narrow_m) = thinned(statue.vertices_m, 64), thinned(statue.vertices_m, 128)
+    for corners, budget in ((small, 64), (large, 128)):
+        assert len(corners) == budget
+        rows = {tuple(vertex) for vertex in corners}
+        assert all(tuple(statue.vertices_m[each]) in rows for each in statue.vertices_m.argmin(axis=0))
+    assert ConvexHull(small).volume < ConvexHull(large).volume < full.volume
+    assert narrow_m < HULL_GAP_M
+    assert narrow_m < wide_m
+
+
+def test_points_within_the_budget_are_all_corners_of_their_hull() -> None:
+    cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    corners, gap_m = thinned(np.vstack([cube, cube.mean(axis=0)]), 8)
+    assert gap_m == 0.0
+    assert np.array_equal(corners, cube)

@@ -23,15 +23,10 @@ from tests.budgets_meshes import CUT_VOLUME_REL, FORMER_LIMIT, NOISE_REL
 from tests.meshes import toadstool
 from tests.meshes.loft import loft
 from tests.meshes.scanner import write
-from tests.meshes.shapes import union
+from tests.meshes.shapes import slab, together, union
 
 FLOOR_M = 6.0
 SLAB_M = 0.04
-
-
-def plate(width_m: float, low_m: float, high_m: float) -> Part:
-    square = 0.5 * width_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return loft(np.stack([np.column_stack([square, np.full(4, height)]) for height in (low_m, high_m)]))
 
 
 def hourglass(around: int, levels: int, top_m: float) -> Part:
@@ -48,7 +43,7 @@ def hourglass(around: int, levels: int, top_m: float) -> Part:
 def on_a_slab(statue: Solid) -> RawMesh:
     """The generated statue with 6 m by 6 m of floor, closed below."""
     body = (np.array(statue.vertices_m), np.array(statue.faces))
-    return RawMesh(*union([body, plate(FLOOR_M, -0.5 * SLAB_M, 0.5 * SLAB_M)]), "slab")
+    return RawMesh(*union([body, slab(0.5 * FLOOR_M, 0.5 * FLOOR_M, -0.5 * SLAB_M, 0.5 * SLAB_M)]), "slab")
 
 
 @pytest.fixture(scope="module")
@@ -90,11 +85,11 @@ def test_the_slab_is_wider_by_what_was_built(on_a_slab: RawMesh, statue: Solid) 
     assert SLAB_M <= floor.cut_m <= 2.0 * SLAB_M
     assert floor.times >= FLOOR_M**2 / float(ConvexHull(statue.vertices_m[:, :2]).volume)
     # A plate of a little less than the limit is a plinth.
-    box = plate(1.0, 0.0, 2.0)
+    pillar = slab(0.5, 0.5, 0.0, 2.0)
     for times, seen in ((0.98 * WIDER, False), (1.02 * WIDER, True)):
-        stepped = union([box, plate(times**0.5, -0.05, 0.05)])
-        floor = attached_floor(*stepped)
-        assert floor.certain is seen  # a wide plinth is said, and kept
+        half = 0.5 * times**0.5
+        stepped = union([pillar, slab(half, half, -0.05, 0.05)])
+        assert attached_floor(*stepped).certain is seen  # a wide plinth is said, and kept
 
 
 @pytest.mark.parametrize("times", [2.0, 2.4, 2.9])
@@ -104,7 +99,7 @@ def test_a_thin_floor_of_under_three_times_the_base_is_seen(times: float, statue
     assert width**2 < WIDER * float(np.prod(np.ptp(base, axis=0)))
     body = (np.array(statue.vertices_m), np.array(statue.faces))
     thick = 0.5 * SHEET * statue.height_m
-    square = union([body, plate(width, -0.5 * thick, 0.5 * thick)])
+    square = union([body, slab(0.5 * width, 0.5 * width, -0.5 * thick, 0.5 * thick)])
     floor = attached_floor(*square)
     assert width**2 > SHEET_WIDER * float(ConvexHull(statue.vertices_m[:, :2]).volume)
     assert floor.cut_m == pytest.approx(thick, abs=0.005 * statue.height_m)
@@ -138,10 +133,9 @@ def test_an_hourglass_is_no_body(around: int, levels: int, top_m: float, tmp_pat
 
 
 def test_what_is_inside_out_or_buried_is_measured() -> None:
-    vertices, faces = plate(1.0, 0.0, 2.0)
+    vertices, faces = slab(0.5, 0.5, 0.0, 2.0)
     assert wrongly_sided(vertices, faces) == pinched(vertices, faces) == 0.0
-    inner = plate(0.5, 0.5, 1.5)
-    buried = (np.vstack([vertices, inner[0]]), np.vstack([faces, inner[1] + len(vertices)]))
+    buried = together((vertices, faces), slab(0.25, 0.25, 0.5, 1.5))
     share = 2.5 / 12.5  # areas of the inner and of both boxes
     assert wrongly_sided(*buried) == pytest.approx(share, abs=3.0 * (share * (1.0 - share) / 400) ** 0.5)
 

@@ -1,17 +1,14 @@
-"""The touching polygon, corner distances at any azimuth, the base profile and the feet."""
+"""The touching polygon, corner distances at any azimuth, the base profile, the feet, and a base made ragged."""
 
 import numpy as np
 import pytest
 
 from meshes import MeshError, Solid, load_solid, solid_from_mesh
 from meshes import footprint as base
+from meshes.processing_log import EdgeCount
+from meshes.roughening import ragged
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.shapes import box, prism
-
-
-@pytest.fixture(scope="module")
-def block() -> Solid:
-    return solid_from_mesh(*box(0.4, 0.7, 1.5), density_kg_m3=2700.0)
 
 
 def test_polygon_is_counter_clockwise_convex_and_of_mesh_vertices(statue: Solid) -> None:
@@ -115,3 +112,30 @@ def test_a_base_level_within_rounding_has_two_corners(lifted_m: float) -> None:
     """What a scan's file writes for nought bends no facet of the model."""
     chain = base.lower_chain(np.array([[-8.0, lifted_m], [-0.1, 0.0], [0.1, 0.0], [0.1, 1.0]]))
     np.testing.assert_allclose(chain, [[-8.0, lifted_m], [0.1, 0.0]], atol=ROUND_OFF_REL)
+
+
+def test_ragged_is_a_closed_surface_of_the_same_body(statue: Solid) -> None:
+    rough = ragged(statue, 1e-3, spacing_m=0.05, seed=2)
+    assert EdgeCount.of(rough.faces).closed
+    assert rough.mass_kg == statue.mass_kg
+    np.testing.assert_array_equal(rough.inertia_kg_m2, statue.inertia_kg_m2)
+    assert 0.3e-3 < np.ptp(rough.feet_m[:, 2]) <= 1e-3
+    assert rough.vertices_m[:, 2].min() == 0.0
+    base = rough.vertices_m[rough.vertices_m[:, 2] <= 1e-3]
+    assert len(base) >= 2 * (0.4267 + 0.72) / 0.05
+    np.testing.assert_array_equal(rough.vertices_m, ragged(statue, 1e-3, spacing_m=0.05, seed=2).vertices_m)
+
+
+def test_ragged_refuses_what_is_no_roughness(statue: Solid) -> None:
+    for depth, spacing in ((0.0, 0.05), (0.1, 0.05), (1e-3, 0.0)):
+        with pytest.raises(MeshError, match="contact tolerance"):
+            ragged(statue, depth, spacing_m=spacing, seed=0)
+
+
+def test_reach_is_the_outline_and_corner_its_support() -> None:
+    square = np.array([[-1.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-1.0, 1.0]])
+    np.testing.assert_allclose(base.reach_m(square, [0.0, 45.0, 90.0, 180.0, 225.0]), [2.0, 2**0.5, 1.0, 1.0, 2**0.5])
+    np.testing.assert_allclose(base.corner_m(square, [0.0, 45.0]), [2.0, 3.0 / 2**0.5])
+    lengths, towards = base.sides(square)
+    np.testing.assert_allclose(lengths, [3.0, 2.0, 3.0, 2.0])
+    np.testing.assert_allclose(towards, [270.0, 0.0, 90.0, 180.0])

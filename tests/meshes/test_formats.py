@@ -15,7 +15,6 @@ from meshes.mesh import RawMesh
 from meshes.processing_log import measure
 from tests.budgets_meshes import FLOAT32_ROUNDING_M, ROUND_OFF_REL
 from tests.meshes.shapes import box, cylinder
-from tests.meshes.test_bad_input import TETRAHEDRON
 
 CORNERS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 2))
 SIDES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
@@ -174,39 +173,69 @@ def test_an_stl_and_texts_of_single_precision_are_refused_too(tmp_path: Path) ->
     assert volume(tmp_path / "full.obj") == pytest.approx(measure(RawMesh(vertices, faces, "")).volume_m3, rel=1e-5)
 
 
+TETRAHEDRON = struct.pack("<12f12I", *(min(k, 1) for corner in CORNERS for k in corner), *np.ravel(SIDES))
+
+
+def gltf(folder: Path, uri: str = "a.bin", nodes: int = 1, **changes: dict[str, Any]) -> Path:
+    """The tetrahedron of height 1 as a glTF whose buffer is `uri`, with `changes` of its document, of its primitive and
+    of its positions."""
+    positions = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"} | changes.get("positions", {})
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(min(nodes, 10)))}],
+        "nodes": [{"mesh": 0}] * nodes,
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1} | changes.get("part", {})]}],
+        "buffers": [{"byteLength": len(TETRAHEDRON), "uri": uri}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 48 * k, "byteLength": 48} for k in (0, 1)],
+        "accessors": [positions, {"bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR"}],
+    } | changes.get("document", {})
+    (folder / "a.bin").write_bytes(TETRAHEDRON)
+    (folder / "a.gltf").write_text(json.dumps(document))
+    return folder / "a.gltf"
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "KHR_draco_mesh_compression"),
-        ({"extensionsRequired": ["EXT_meshopt_compression"]}, "EXT_meshopt_compression"),
-        ({"extensionsRequired": ["KHR_mesh_quantization"]}, "KHR_mesh_quantization"),
-        ({"mode": 6}, "triangle fans"),
-        ({"sparse": {}}, "sparse"),
-        ({"extensionsRequired": ["KHR_materials_unlit", "KHR_texture_transform"]}, None),
+        ({"document": {"extensionsRequired": ["KHR_draco_mesh_compression"]}}, "KHR_draco_mesh_compression"),
+        ({"document": {"extensionsRequired": ["EXT_meshopt_compression"]}}, "EXT_meshopt_compression"),
+        ({"document": {"extensionsRequired": ["KHR_mesh_quantization"]}}, "KHR_mesh_quantization"),
+        ({"part": {"mode": 6}}, "triangle fans"),
+        ({"positions": {"sparse": {}}}, "sparse"),
+        ({"document": {"extensionsRequired": ["KHR_materials_unlit", "KHR_texture_transform"]}}, None),
     ],
 )
 def test_a_packed_gltf_is_refused_by_the_name_of_its_packing(
     change: dict[str, Any], named: str | None, tmp_path: Path
 ) -> None:
-    part = {"attributes": {"POSITION": 0}, "indices": 1} | ({"mode": 6} if "mode" in change else {})
-    positions = {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"} | (
-        change if "sparse" in change else {}
-    )
-    document = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [part]}],
-        "buffers": [{"byteLength": 96, "uri": "a.bin"}],
-        "bufferViews": [{"buffer": 0, "byteOffset": 48 * k, "byteLength": 48} for k in (0, 1)],
-        "accessors": [positions, {"bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR"}],
-    }
-    (tmp_path / "a.bin").write_bytes(TETRAHEDRON)
-    (tmp_path / "a.gltf").write_text(json.dumps(document | (change if "extensionsRequired" in change else {})))
+    file = gltf(tmp_path, **change)
     if named is None:
-        assert volume(tmp_path / "a.gltf") == pytest.approx(1.0 / 6.0)
+        assert volume(file) == pytest.approx(1.0 / 6.0)
         return
     with pytest.raises(MeshError) as caught:
-        read_mesh(tmp_path / "a.gltf")
+        read_mesh(file)
     assert named in caught.value.got
+
+
+def test_a_gltf_reads_its_own_folder_only(tmp_path: Path) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    (tmp_path / "out.bin").write_bytes(TETRAHEDRON)
+    (folder / "link.bin").symlink_to(tmp_path / "out.bin")
+    for uri in ("../out.bin", str(tmp_path / "out.bin"), "link.bin", "file:///etc/hostname", "/etc/hostname"):
+        with pytest.raises(MeshError, match="does not parse"):
+            read_mesh(gltf(folder, uri))
+
+
+@pytest.mark.parametrize("asked", ["positions", "nodes"])
+def test_a_kilobyte_that_asks_for_gigabytes_is_refused(tmp_path: Path, asked: str) -> None:
+    if asked == "positions":
+        file = gltf(tmp_path, positions={"bufferView": None, "count": 2_000_000_000})
+    else:
+        file = gltf(tmp_path, nodes=100_000)
+        file.write_text(file.read_text().replace('"count": 12', '"count": 1200'))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(MeshError, match=r"wanted .*100,000,000.*, got "):
+        read_mesh(file)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**19, "kB"

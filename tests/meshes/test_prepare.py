@@ -19,14 +19,10 @@ from tests.meshes.scanner import COARSE, Faults, scan, write
 DENSITY = 2700.0
 
 
-def test_mass_properties_are_recovered(statue: Solid, noisy: Prepared) -> None:
+def test_mass_properties_and_corners_are_recovered(statue: Solid, noisy: Prepared) -> None:
     solid = noisy.solid(density_kg_m3=DENSITY)
     for name in ("mass_kg", "centroid_height_m", "inertia_planar_kg_m2"):
         assert getattr(solid, name) == pytest.approx(getattr(statue, name), rel=SURVEY_ASKED_REL), name
-
-
-def test_corners_are_recovered(statue: Solid, noisy: Prepared) -> None:
-    solid = noisy.solid(density_kg_m3=DENSITY)
     for name in ("corner_left_m", "corner_right_m", "depth_m"):
         assert getattr(solid, name) == pytest.approx(getattr(statue, name), abs=CORNER_ASKED_M), name
 
@@ -143,16 +139,12 @@ def test_more_faces_than_asked_are_explained(
     for name, limit in bounds.items():
         monkeypatch.setattr(module, name, limit)
     mesh = RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue")
+    enough = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=len(mesh.faces)))
+    assert "scan_faces_kept" not in {each.code for each in enough.log.found}
     prepared = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=most))
     (told,) = [each.values for each in prepared.log.found if each.code == "scan_faces_kept"]
     assert len(prepared.mesh.faces) > most
     assert (told["faces"], told["asked"], told["cause"]) == (len(prepared.mesh.faces), most, says)
-
-
-def test_as_many_faces_as_asked_need_no_word(statue: Solid) -> None:
-    mesh = RawMesh(np.array(statue.vertices_m), np.array(statue.faces), "statue")
-    enough = prepare_mesh(mesh, Wanted(unit="m", up="z", max_faces=len(mesh.faces)))
-    assert "scan_faces_kept" not in {each.code for each in enough.log.found}
 
 
 def test_measure_agrees_with_trimesh(statue: Solid) -> None:

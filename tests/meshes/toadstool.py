@@ -8,8 +8,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from meshes.solid import Solid, solid_from_mesh
-from tests.meshes.loft import loft
-from tests.meshes.shapes import union
+from tests.meshes.shapes import slab, union
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -36,10 +35,5 @@ def write(path: Path) -> None:
 def surface() -> tuple[Array, Faces]:
     """Its closed surface: vertices (n, 3) and outward faces (m, 3)."""
     return union(
-        [_slab(PLINTH_M, PLINTH_M, 0.0, 0.2), _slab(0.1, 0.1, 0.1, 0.5), _slab(CAP_M, 0.3, UNDERSIDE_M, HEIGHT_M)]
+        [slab(PLINTH_M, PLINTH_M, 0.0, 0.2), slab(0.1, 0.1, 0.1, 0.5), slab(CAP_M, 0.3, UNDERSIDE_M, HEIGHT_M)]
     )
-
-
-def _slab(half_width_m: float, half_depth_m: float, low_m: float, high_m: float) -> tuple[Array, Faces]:
-    plan = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_width_m, half_depth_m]
-    return loft(np.stack([np.column_stack([plan, np.full(4, height)]) for height in (low_m, high_m)]))
