@@ -21,7 +21,7 @@ from harness.questions.assess.model_draws import draw, model_draws, row, uncerta
 from harness.questions.assess.probability import overturns
 from harness.records.validation import ReliabilityBin
 from tests.measures.pages import renew, table
-from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_rows import command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene
 
 SCENES: Final = 420
@@ -40,7 +40,7 @@ MODULE: Final = "tests.measures.calibration"
 
 
 @dataclass(frozen=True)
-class CalibrationRow(SeededRow):
+class CalibrationRow:
     """One scene: the model's probability, and whether the engine's statue fell."""
 
     seed: int
@@ -48,11 +48,6 @@ class CalibrationRow(SeededRow):
     probability: float
     undecided: float
     fell: bool | None
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """See `SeededRow`."""
-        return self.seed, self.engine
 
 
 def shaken(seed: int) -> Scene:

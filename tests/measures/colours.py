@@ -25,7 +25,7 @@ from reports.source import run_source
 from reports.text.wording import SAFE, run_verdict
 from tests.measures.calibration import FACTORS
 from tests.measures.pages import renew, table
-from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_rows import command_line, measured, seeds_of
 from tests.measures.seeded_scenes import random_scene, wide_scene
 from tests.reports.page_parts import answer
 
@@ -46,7 +46,7 @@ MODULE: Final = "tests.measures.colours"
 
 
 @dataclass(frozen=True)
-class ColourRow(SeededRow):
+class ColourRow:
     """One scene: which of its pages are green, falls of draws that no page has seen, and of an unmodified engine."""
 
     generator: str
@@ -55,11 +55,6 @@ class ColourRow(SeededRow):
     fell: int
     undecided: int
     observed: list[bool | None]
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """See `SeededRow`."""
-        return self.generator, self.seed
 
 
 def shaken(scene: Scene, seed: int) -> Scene:

@@ -22,7 +22,7 @@ from harness.accuracy.simulation import simulate
 from harness.model.scene import BaseExcitation, Contact, Pedestal, Scene
 from meshes.footprint import reach_m
 from tests.measures.pages import renew, table
-from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_rows import command_line, measured, seeds_of
 from tests.measures.seeded_scenes import space_scene
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ MODULE: Final = "tests.measures.pedestal_space"
 
 
 @dataclass(frozen=True)
-class PedestalRow(SeededRow):
+class PedestalRow:
     """One scene until the first impact (0: too soon): what pybullet stated and is off by, and how far the springs are known."""
 
     seed: int
@@ -64,11 +64,6 @@ class PedestalRow(SeededRow):
     across_error_m: float = 0.0
     yaw_rad: float = 0.0
     pedestal_yaw_rad: float = 0.0
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """See `SeededRow`."""
-        return (self.seed,)
 
     @property
     def held(self) -> tuple[bool, bool]:

@@ -18,7 +18,7 @@ from harness.records.run import LEAST_S, PLAIN
 from tests.measures.coverage import Statement, statement, truth_of
 from tests.measures.pages import renew, table
 from tests.measures.random_scenes import FINEST_S, counted
-from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_rows import command_line, measured, seeds_of
 from tests.measures.seeded_scenes import wide_scene
 
 NAMES: Final = ("pymunk", "pybullet")
@@ -58,17 +58,12 @@ class Beside:
 
 
 @dataclass(frozen=True)
-class PlainRow(SeededRow):
+class PlainRow:
     """One scene: each engine's statement, each pair of engines."""
 
     seed: int
     engines: dict[str, Statement]
     pairs: dict[str, Beside]
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """See `SeededRow`."""
-        return (self.seed,)
 
 
 def row_of(seed: int) -> PlainRow:

@@ -15,7 +15,7 @@ import numpy as np
 from harness import Run, Verdict, compare, engines, run_scene, simulate
 from tests.measures.coverage import Statement, statement, truth_of
 from tests.measures.pages import renew, table
-from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_rows import command_line, measured, seeds_of
 from tests.measures.seeded_scenes import GENERATORS
 
 NAMES: Final = ("analytic", "pymunk", "pybullet")
@@ -37,18 +37,13 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class SceneRow(SeededRow):
+class SceneRow:
     """One scene of a generator."""
 
     generator: str
     seed: int
     engines: dict[str, Statement]
     pairs: dict[str, Judged]
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """See `SeededRow`."""
-        return self.generator, self.seed
 
 
 def row_of(generator: str, seed: int) -> SceneRow:

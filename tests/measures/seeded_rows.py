@@ -2,41 +2,38 @@
 
 import argparse
 import json
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from harness.questions.bench.parts import source
 from harness.records.base import part
 
-
-@dataclass(frozen=True)
-class SeededRow(ABC):
-    """What was computed of one scene."""
-
-    @property
-    @abstractmethod
-    def key(self) -> tuple[object, ...]:
-        """What `compute` was asked."""
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 
-Row = TypeVar("Row", bound=SeededRow)
+Row = TypeVar("Row", bound="DataclassInstance")
 
 
 def measured(
     path: Path, kind: type[Row], wanted: Iterable[tuple[object, ...]], compute: Callable[..., Row]
 ) -> list[Row]:
-    """The row of each of `wanted`: from `path` where the code of now computed it, else computed now and added there."""
+    """The row of each of `wanted`: from `path` where the code of now computed it, else computed now and added there.
+
+    A row's first fields are what `compute` was asked.
+    """
+    keys = list(wanted)
+    asked = [field.name for field in fields(kind)][: len(keys[0])]
     code = source()
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     # A row of other code may have other fields.
     plain = [row for row in map(json.loads, lines) if row.pop("source", None) == code]
-    rows = {row.key: row for row in (part(kind, item, path) for item in plain)}
+    rows = {tuple(getattr(row, name) for name in asked): row for row in (part(kind, item, path) for item in plain)}
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a", encoding="utf-8") as stream:
-        for key in (keys := list(wanted)):
+        for key in keys:
             if key in rows:
                 continue
             rows[key] = compute(*key)

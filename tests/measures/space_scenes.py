@@ -18,7 +18,7 @@ from harness.questions.validate.tosses import poses
 from harness.runs.runner import Crash, Hung, LocalPool, Pool
 from tests.measures.coverage import Statement, statement
 from tests.measures.pages import renew, table
-from tests.measures.seeded_rows import SeededRow, command_line, measured, seeds_of
+from tests.measures.seeded_rows import command_line, measured, seeds_of
 from tests.measures.seeded_scenes import space_scene
 
 NAMES: Final = ("pybullet",)
@@ -36,7 +36,7 @@ MODULE: Final = "tests.measures.space_scenes"
 
 
 @dataclass(frozen=True)
-class SpaceRow(SeededRow):
+class SpaceRow:
     """One scene: the exact run's outcome, until when it holds, whether a vertex slid, the engines' statements against it.
 
     `attitude_rad` by engine is the largest angle between its rotation at `STEP_S` and the exact one over the first impacts, of
@@ -50,11 +50,6 @@ class SpaceRow(SeededRow):
     impacts: int = 0
     engines: dict[str, Statement] | None = None
     attitude_rad: dict[str, float] | None = None
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """See `SeededRow`."""
-        return (self.seed,)
 
 
 def row_of(seed: int) -> SpaceRow:

@@ -7,15 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import RunOptions, load_scene
-from harness.comparison.scores.pointwise import errors
+from harness import load_scene
+from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
 from harness.engines.stepping.contact_gaps import ContactGaps
 from tests import budgets_engines as budget
-from tests.engines_for_tests import ready
-from tests.measures.contact_engines import analytic_run
+from tests.engines_for_tests import NOTHING_SKIPPED, exact, ready, run
 from tests.measures.micro_rocking import rows
 from tests.measures.random_scenes import GENERATORS
 from tests.scenes_for_tests import rectangle, scene
@@ -36,13 +35,11 @@ def test_a_micro_rocking_is_followed_by_steps_that_are_a_fraction_of_its_half_cy
 @pytest.mark.parametrize("step_s", [4e-3, 1.8e-3])
 def test_a_scan_that_hardly_leaves_its_base_is_followed(engine: Engine, step_s: float) -> None:
     """Half-cycles of 1e-6 to 1e-5 rad that grow to 3e-3: of the vertices that a fall would bring down higher ones rise faster."""
-    ready(engine.name)
     motion = {"x": {"kind": "harmonic", "amplitude_g": 0.113, "frequency_hz": 8.0}}
     on = load_scene("scenes/paestum_floor.toml").replace(motion=motion, duration_s=0.7)
-    exact = analytic_run(on)
-    run = engine.simulate(on, engine.settings_for_dt(on, step_s), RunOptions())
-    assert exact.peak_theta_rad > 10.0 * budget.MICRO_ROCKING_SCAN_RAD
-    assert errors(run, exact, on.duration_s)[0] <= budget.MICRO_ROCKING_SCAN_RAD
+    model = exact(on)
+    assert model.peak_theta_rad > 10.0 * budget.MICRO_ROCKING_SCAN_RAD
+    assert error_rad(model, run(engine.name, on, step_s), on.duration_s) <= budget.MICRO_ROCKING_SCAN_RAD
 
 
 def test_a_scan_s_foot_comes_down_as_slowly_as_a_block_s() -> None:
@@ -59,16 +56,12 @@ def test_a_scan_s_foot_comes_down_as_slowly_as_a_block_s() -> None:
 
 @ENGINES
 def test_ever_shorter_half_cycles_end_in_finite_work(engine: Engine) -> None:
-    ready(engine.name)
-    on = scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0)
-    run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), RunOptions(skips=frozenset()))
-    assert abs(run.history.theta_rad[-1]) <= budget.AFTER_MICRO_ROCKING_RAD
-    assert run.steps <= budget.AFTER_MICRO_ROCKING_STEPS * 500
+    found = run(engine.name, scene(rectangle(0.2, 1.0), theta_rad=2e-4, duration_s=2.0), 4e-3, NOTHING_SKIPPED)
+    assert abs(found.history.theta_rad[-1]) <= budget.AFTER_MICRO_ROCKING_RAD
+    assert found.steps <= budget.AFTER_MICRO_ROCKING_STEPS * 500
 
 
 def test_a_half_cycle_in_the_last_steps_of_a_run_ends_with_it() -> None:
     """Its impact fell into the last whole step, and the part that follows it had no step left to end on (an IndexError)."""
     on = GENERATORS["wide"](730074)
-    engine = Munk2D()
-    run = engine.simulate(on, engine.settings_for_dt(on, 4e-3), RunOptions())
-    assert run.end_s == pytest.approx(on.duration_s, rel=1e-12)
+    assert run("pymunk", on, 4e-3).end_s == pytest.approx(on.duration_s, rel=1e-12)

@@ -6,16 +6,15 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
-from harness import RunOptions, engines
-from harness.comparison.scores.pointwise import error_rad
+from harness import RunOptions
+from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.base import Engine
 from harness.engines.stepping.coulomb import followed
 from harness.model.scene import Contact, Scene
 from tests import budgets_engines as budget
-from tests.engines_for_tests import ready
+from tests.engines_for_tests import exact, ready, run
 from tests.scenes_for_tests import paestum
 
 MUNK_WRITES = ("cpBodySetPosition", "cpBodySetAngle", "cpBodySetVelocity", "cpBodySetAngularVelocity")
@@ -80,23 +79,19 @@ def test_the_count_of_writes_sees_those_of_the_other_engines(name: str, monkeypa
 
 @pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
 def test_where_one_coefficient_acts_it_converges_to_the_model(name: str) -> None:
-    engine, model = ready(name), engines.load("analytic")
     scene = paestum(0.429, 3.0, mu=0.15, duration_s=1.0)
-    exact = model.simulate(scene, model.refinement_levels(scene)[-1], RunOptions()).history
-    history = engine.simulate(scene, engine.settings_for_dt(scene, 2.5e-4), RunOptions()).history
-    apart = np.abs(history.theta_rad - exact.at(history.t_s))
-    assert apart.max() <= budget.PLAIN_RAD, f"{apart.max():.2e} rad"
-    slip = np.abs(history.slip_m - np.interp(history.t_s, exact.t_s, exact.slip_m))
-    assert slip.max() <= budget.PLAIN_SLIP_M, f"{slip.max():.2e} m"
+    model, found = exact(scene), run(name, scene)
+    off_rad, off_m = errors(found, model, found.end_s)
+    assert off_rad <= budget.PLAIN_RAD
+    assert off_m <= budget.PLAIN_SLIP_M
 
 
 @pytest.mark.parametrize("name", ["pymunk:plain", "pybullet:plain"])
 def test_the_coefficient_follows_the_sliding_pedestal(name: str) -> None:
     """A static coefficient that holds: no slip. One that does not: the pedestal slides with the kinetic one."""
-    engine = ready(name)
     held, loose, static = (
-        engine.simulate(scene, engine.settings_for_dt(scene, 5e-4), RunOptions()).peak_slip_m
-        for scene in (paestum(0.3, 2.0, mu=mu, duration_s=0.5) for mu in ((0.9, 0.1), (0.2, 0.1), (0.2, 0.2)))
+        run(name, paestum(0.3, 2.0, mu=mu, duration_s=0.5), 5e-4).peak_slip_m
+        for mu in ((0.9, 0.1), (0.2, 0.1), (0.2, 0.2))
     )
     assert held <= budget.PLAIN_SLIP_M
     assert loose > static > budget.PLAIN_SLIP_M
@@ -122,8 +117,6 @@ def test_pages_say_that_rule(page: str) -> None:
 @pytest.mark.parametrize("dt_s", [5e-4, 3.1e-4, 2.5e-4, 2.2e-4, 1e-4])
 def test_whether_the_pedestal_sticks_is_no_chance_of_the_step(name: str, dt_s: float) -> None:
     """It comes to rest where holding it needs 0.16 of its weight, between both coefficients; sliding on it is 0.02 rad off."""
-    engine, model = ready(name), engines.load("analytic")
     scene = paestum(0.334, 2.0, mu=(0.20, 0.15))
-    exact = model.simulate(scene, model.refinement_levels(scene)[1], RunOptions())
-    run = engine.simulate(scene, engine.settings_for_dt(scene, dt_s), RunOptions())
-    assert error_rad(exact, run, run.end_s) <= budget.FOLLOWED_RAD
+    found = run(name, scene, dt_s)
+    assert error_rad(exact(scene), found, found.end_s) <= budget.FOLLOWED_RAD

@@ -11,13 +11,11 @@ from harness import Run, RunOptions, engines
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pose, Scene
 from harness.questions.validate.tosses import poses
 from tests import budgets_engines as budget
+from tests.engines_for_tests import bullet
 from tests.measures.seeded_scenes import block
-
-pytest.importorskip("pybullet")
 
 MOMENTS_KG_M2: Final = (140.0, 150.0, 30.0)
 FLIGHT_S: Final = 2.0
-OPTIONS: Final = RunOptions()
 
 
 def flight(rate_rad_s: tuple[float, float, float]) -> Scene:
@@ -38,19 +36,15 @@ def attitude_error_rad(scene: Scene, run: Run, exact: Run) -> float:
 
 @pytest.mark.parametrize("rate_rad_s", [(0.3, 1.5, 0.5), (1.0, 0.5, 3.0)])
 def test_free_flight_is_of_second_order(rate_rad_s: tuple[float, float, float]) -> None:
-    scene, exact, bullet = flight(rate_rad_s), engines.load("spatial"), engines.load("pybullet")
-    truth = exact.simulate(scene, exact.refinement_levels(scene)[-1], OPTIONS)
-    coarse, fine = (
-        attitude_error_rad(scene, bullet.simulate(scene, bullet.settings_for_dt(scene, dt_s), OPTIONS), truth)
-        for dt_s in (2e-3, 1e-3)
-    )
+    scene, exact = flight(rate_rad_s), engines.load("spatial")
+    truth = exact.simulate(scene, exact.refinement_levels(scene)[-1], RunOptions())
+    coarse, fine = (attitude_error_rad(scene, bullet(scene, dt_s), truth) for dt_s in (2e-3, 1e-3))
     assert fine < budget.FREE_FLIGHT_RAD
     assert coarse / fine > budget.SECOND_ORDER
 
 
 def test_it_is_counted_as_an_intervention_and_changes_no_place() -> None:
-    scene, bullet = flight((1.0, 0.5, 3.0)), engines.load("pybullet")
-    run = bullet.simulate(scene, bullet.settings_for_dt(scene, 1e-3), OPTIONS)
+    run = bullet(flight((1.0, 0.5, 3.0)), 1e-3)
     account = run.interventions["gyroscopic"]
     assert account.count == run.steps
     assert account.rate_rad_s > 0.0
@@ -59,7 +53,6 @@ def test_it_is_counted_as_an_intervention_and_changes_no_place() -> None:
 
 def test_what_turns_in_the_plane_alone_lacks_none() -> None:
     scene = replace(flight((0.0, 1.0, 0.0)), initial=Initial(theta_rad=0.1), duration_s=0.3)
-    bullet = engines.load("pybullet")
-    run = bullet.simulate(scene, bullet.settings_for_dt(scene, 1e-3), OPTIONS)
+    run = bullet(scene, 1e-3)
     assert "mirror" in run.skipped
     assert "gyroscopic" not in run.interventions

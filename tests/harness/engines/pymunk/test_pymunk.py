@@ -15,7 +15,7 @@ from harness.model.scene import BaseExcitation, Pedestal
 from harness.questions.bench.standard_scenes import PEDESTAL, TWO
 from harness.questions.study.cases import BaseScene
 from tests import budgets_engines as budget
-from tests.engines_for_tests import NOTHING_SKIPPED, apart, error, exact, ready, run
+from tests.engines_for_tests import NOTHING_SKIPPED, apart, error, exact, run
 from tests.measures.contact_engines import baseline_loop
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, SCENES, paestum, rectangle, scene
 
@@ -24,7 +24,7 @@ ENGINE, PLAIN = Munk2D(), PlainMunk2D()
 
 def test_at_rest_nothing_moves() -> None:
     on = paestum(0.0, duration_s=60.0, output_dt_s=0.1)
-    found = ENGINE.simulate(on, ENGINE.settings_for_dt(on, 1e-3), NOTHING_SKIPPED)
+    found = run("pymunk", on, 1e-3, NOTHING_SKIPPED)
     assert found.steps == 60_000
     settled = found.history.t_s > 1.0
     for values in (found.history.theta_rad, found.history.slip_m, found.history.extra["statue_slip_m"]):
@@ -92,10 +92,10 @@ def test_its_version_is_the_distribution_s(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize("name", ["pymunk", "pymunk:plain"])
 def test_a_motion_across_the_plane_changes_nothing(name: str) -> None:
     """A push across it had a share in the friction that holds the pedestal, which slid at nine tenths of its limit."""
-    engine, on = ready(name), paestum(0.334, 2.0, mu=(0.2, 0.15), duration_s=0.6)
+    on = paestum(0.334, 2.0, mu=(0.2, 0.15), duration_s=0.6)
     motion = on.base_excitation
     across = replace(on, base_excitation=replace(motion, y=Harmonic(2.0, 2.0)))
-    alone, beside = (engine.simulate(each, engine.settings_for_dt(each, 1e-3), RunOptions()) for each in (on, across))
+    alone, beside = (run(name, each, 1e-3) for each in (on, across))
     assert alone.peak_slip_m > 0.0
     assert np.array_equal(alone.history.theta_rad, beside.history.theta_rad)
     assert np.array_equal(alone.history.slip_m, beside.history.slip_m)

@@ -1,9 +1,9 @@
-"""A run says when, for how long and why it left what its events are located for."""
+"""A run says when, for how long and why it left what its events are located for; its velocities are of its own times."""
 
 import numpy as np
 import pytest
 
-from harness.engines.stepping.columns import Trajectory
+from harness.engines.stepping.columns import Trajectory, _synchronous
 from harness.engines.stepping.support import LEFT_M, LEFT_RAD, Corners, plain_spells
 from harness.model.scene import Pedestal
 
@@ -47,3 +47,15 @@ def test_what_came_first_is_told_first_and_nothing_within_the_limits() -> None:
     both = spells(tilt_rad=ramp(LEFT_RAD, 0.6), gap_m=ramp(LEFT_M, 0.2))
     assert (both[0], both[2]) == (0.2, [FLIES, TIPS])
     assert spells(0.99 * LEFT_M + STILL, 0.99 * LEFT_M + STILL, 0.99 * LEFT_RAD + STILL) == (None, 0.0, [])
+
+
+def test_a_run_of_one_sample_keeps_its_velocities() -> None:
+    """A run is stopped at its first step where it has parted there from the one that it is held to."""
+    values = np.array([[1.0, -2.0, 3.0]])
+    np.testing.assert_array_equal(_synchronous(values, np.array([0.1]), np.array([0.05]), 9.81), values)
+
+
+def test_the_last_sample_goes_on_as_the_one_before() -> None:
+    values = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    own = _synchronous(values, np.array([1.0, 2.0, 3.0]), np.array([0.5, 1.5, 2.5]), 9.81)
+    np.testing.assert_allclose(own[:, 0], [0.5, 1.5, 2.5])

@@ -6,14 +6,15 @@ from typing import Any
 import pytest
 
 from analytic.excitation import Pulse
-from harness import Outcome, Run, RunOptions
-from harness.engines import load
+from harness import Outcome
 from harness.model.scene import Initial, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
+from tests.engines_for_tests import run
 from tests.scenes_for_tests import paestum, rectangle, scene
 
 PUSH = Pulse("one_sine", 4.5, 0.9)
 ON = Pedestal(200.0, 0.24, 0.6, 0.2)
+STEP_S = 5e-4
 ENGINES = ["pymunk", "pybullet", "pymunk:plain", "pybullet:plain", "spatial"]
 OVER_THE_HILL: dict[str, Any] = {"theta_rate_rad_s": 1.2}
 """A block of 0.2 × 1 m needs 0.70 rad/s to pass its balance point."""
@@ -35,11 +36,6 @@ ENDS: dict[str, tuple[dict[str, Any], Outcome]] = {
 }  # fmt: skip
 
 
-def run(name: str, on: Scene) -> Run:
-    engine = load(name)
-    return engine.simulate(on, engine.settings_for_dt(on, 5e-4), RunOptions())
-
-
 @pytest.mark.parametrize("end", ENDS)
 @pytest.mark.parametrize("name", ENGINES)
 def test_a_run_ends_by_the_models_rule(name: str, end: str) -> None:
@@ -48,7 +44,7 @@ def test_a_run_ends_by_the_models_rule(name: str, end: str) -> None:
     model = run("analytic", on)
     assert model.outcome is outcome
     if name != "spatial" or on.pedestal is None:
-        found = run(name, on)
+        found = run(name, on, STEP_S)
         assert found.outcome is outcome
         assert found.peak_theta_rad == pytest.approx(model.peak_theta_rad, abs=budget.LAST_STATE_RAD)
 
@@ -60,20 +56,20 @@ def test_a_run_ends_at_the_wall(name: str) -> None:
         replace(paestum(0.429, 2.0, pedestal=False, duration_s=8.0), wall=Wall("right", 0.2)),
         replace(paestum(0.5, 1.5, mu=(0.20, 0.15), duration_s=8.0), wall=Wall("left", 0.12)),
     ):
-        model, found = run("analytic", on), run(name, on)
+        model, found = run("analytic", on), run(name, on, STEP_S)
         assert model.outcome is found.outcome is Outcome.TOUCHES_WALL
         assert found.end_s == pytest.approx(model.end_s, abs=budget.WALL_S)
         assert found.history.t_s[-1] == found.end_s
         # Its last sample is of the way to the wall, not of what the wall did.
         assert found.history.theta_rad[-1] == pytest.approx(model.history.theta_rad[-1], abs=budget.WALL_RAD)
         assert found.history.slip_m[-1] == pytest.approx(model.history.slip_m[-1], abs=budget.WALL_M)
-        assert found.steps < 0.5 * on.duration_s / 5e-4
+        assert found.steps < 0.5 * on.duration_s / STEP_S
 
 
 def test_while_the_floor_still_moves_nothing_is_foretold() -> None:
     on = scene(rectangle(0.2, 1.0), duration_s=0.05, **OVER_THE_HILL)
     shaken = replace(on, base_excitation=replace(on.base_excitation, x=PUSH))
-    assert {run(name, shaken).outcome for name in ("analytic", "pymunk")} == {Outcome.STANDS}
+    assert {run(name, shaken, STEP_S).outcome for name in ("analytic", "pymunk")} == {Outcome.STANDS}
 
 
 SLIDES = replace(scene(
@@ -85,7 +81,7 @@ TIPS = replace(paestum(0.429, 2.0, mu=0.03, duration_s=0.3), initial=Initial(0.0
 @pytest.mark.parametrize("name", ENGINES[:4])
 @pytest.mark.parametrize(("on", "room_m"), [(SLIDES, 0.1), (TIPS, 0.06335)])
 def test_a_wall_is_touched_when_the_model_says_with_what_slip_adds(name: str, on: Scene, room_m: float) -> None:
-    model, found = run("analytic", on), run(name, on)
+    model, found = run("analytic", on), run(name, on, STEP_S)
     assert model.outcome is found.outcome is Outcome.TOUCHES_WALL
     assert model.validity["wall_touch_time_s"] == model.end_s
     assert -room_m <= model.residual_slip_m * (1.0 - 1e-12)

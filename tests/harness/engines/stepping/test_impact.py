@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness import RunOptions, simulate
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.loop import imposed_rates
 from harness.model.scene import Form, Scene
 from tests import budgets_engines as budget
-from tests.engines_for_tests import ready
+from tests import engines_for_tests
+from tests.engines_for_tests import exact
 from tests.scenes_for_tests import paestum
 
 RATES = [(0.4, 0.0), (-0.3, 0.1), (0.5, -0.3), (-0.6, -0.05)]
@@ -81,13 +81,12 @@ def test_what_breaks_a_stuck_pedestal_loose_acts_with_its_own_coefficient(rate: 
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
 def test_an_impact_that_turns_a_sliding_pedestal_round_has_the_kinetic_coefficient(name: str) -> None:
     """It slides at 0.08 m/s before, the other way after: the static coefficient would all but stop it."""
-    engine, on = ready(name), paestum(1.0, 1.02, mu=(0.2, 0.15), duration_s=1.72)
+    on = paestum(1.0, 1.02, mu=(0.2, 0.15), duration_s=1.72)
     tensor = on.statue.inertia_tensor_kg_m2.copy()
     tensor[1, 1] = 118.73
     on = replace(on, statue=replace(on.statue, inertia_kg_m2=118.73, inertia_tensor_kg_m2=tensor))
-    exact = simulate(on, "analytic", accuracy_rad=1e-8)
-    run = engine.simulate(on, engine.settings_for_dt(on, 5e-4), RunOptions())
-    around_s = exact.impact_times_s[0] + np.array([-2e-3, 2e-3])
-    before, after = np.interp(around_s, exact.history.t_s, exact.history.slip_rate_m_s)
+    model = exact(on)
+    around_s = model.impact_times_s[0] + np.array([-2e-3, 2e-3])
+    before, after = np.interp(around_s, model.history.t_s, model.history.slip_rate_m_s)
     assert before * after < 0.0
-    assert error_rad(exact, run, on.duration_s) <= budget.REVERSED_IMPACT_RAD
+    assert error_rad(model, engines_for_tests.run(name, on, 5e-4), on.duration_s) <= budget.REVERSED_IMPACT_RAD

@@ -4,16 +4,16 @@ import math
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
 import pytest
 
 from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Excitation, Harmonic, Pulse, Record
 from harness.accuracy.simulation import simulate
+from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.stepping.frame import Schedule
 from harness.model.scene import BaseExcitation, Scene
 from tests import budgets_engines as budget
-from tests.engines_for_tests import ready
+from tests.engines_for_tests import exact, ready, run
 from tests.scenes_for_tests import PAESTUM, PAESTUM_PEDESTAL, rectangle, scene
 
 COLUMN = rectangle(0.2, 1.0)
@@ -47,21 +47,19 @@ SCENES: Final[dict[str, Scene]] = {
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
 @pytest.mark.parametrize("case", list(SCENES))
 def test_errors_are_none_of_the_jump_s(name: str, case: str) -> None:
-    engine, on = ready(name), SCENES[case]
-    exact = simulate(on, "analytic", accuracy_rad=1e-8)
-    run = simulate(on, engine.name, dt_s=1e-3)
-    times = np.linspace(0.0, on.duration_s, 500)
-    assert np.max(np.abs(run.history.at(times) - exact.history.at(times))) < budget.JUMP_RAD
-    assert np.max(np.abs(run.history.slip_at(times) - exact.history.slip_at(times))) < budget.JUMP_M
+    on = SCENES[case]
+    off_rad, off_m = errors(run(name, on, 1e-3), exact(on), on.duration_s)
+    assert off_rad < budget.JUMP_RAD
+    assert off_m < budget.JUMP_M
 
 
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
 def test_the_statement_holds(name: str) -> None:
     """A cosine pulse on a statue on the floor, begun on the grid of some steps and inside others."""
     engine, on = ready(name), scene(PAESTUM, cosine(0.2184), duration_s=1.2)
-    exact, run = simulate(on, "analytic", accuracy_rad=1e-8), simulate(on, engine.name, accuracy_rad=1e-4)
-    times = np.linspace(0.0, min(run.bounded_until_s, exact.no_return_time_s or math.inf), 500)
-    assert np.max(np.abs(run.history.at(times) - exact.history.at(times))) < run.numerical_uncertainty_rad
+    model, found = exact(on), simulate(on, engine.name, accuracy_rad=1e-4)
+    until_s = min(found.bounded_until_s, model.no_return_time_s or math.inf)
+    assert error_rad(model, found, until_s) < found.numerical_uncertainty_rad
 
 
 def test_jumps_of_all_directions_are_met_once_each() -> None:

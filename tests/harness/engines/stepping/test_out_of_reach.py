@@ -9,12 +9,12 @@ import pytest
 
 from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Harmonic, Pulse
-from harness import Outcome, Run, RunOptions, load_scene
+from harness import Outcome, Run, load_scene
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.step_state import StepState
 from harness.model.scene import BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
-from tests.engines_for_tests import ready
+from tests.engines_for_tests import bullet, run
 from tests.measures.mechanisms import changed
 from tests.measures.steering_mutants import LAYER
 from tests.scenes_for_tests import PAESTUM, paestum, scene
@@ -22,11 +22,6 @@ from tests.scenes_for_tests import PAESTUM, paestum, scene
 CUBE = Path(__file__).parents[4] / "scenes" / "cube_toss.toml"
 THROWS = 12
 STEP_S = 1e-3
-
-
-def run(name: str, on: Scene) -> Run:
-    engine = ready(name)
-    return engine.simulate(on, engine.settings_for_dt(on, STEP_S), RunOptions())
 
 
 def thrown(seed: int, *, height_m: float = 0.15, duration_s: float = 0.8) -> Scene:
@@ -45,7 +40,7 @@ def given_and_taken_j(of: Run) -> float:
 
 @pytest.mark.parametrize("seed", range(THROWS))
 def test_no_thrown_cube_that_slides_and_tumbles_is_refused(seed: int) -> None:
-    found = run("pybullet", thrown(seed))
+    found = bullet(thrown(seed), STEP_S)
     assert found.outcome is not Outcome.CRASHED
     assert "impact" in found.interventions
 
@@ -56,14 +51,14 @@ def test_a_wrong_sense_is_seen_in_what_slides_too() -> None:
         refused = 0
         for seed in range(THROWS):
             try:
-                run("pybullet", thrown(seed))
+                bullet(thrown(seed), STEP_S)
             except EngineFailure:
                 refused += 1
     assert refused > THROWS // 2
 
 
 def test_nothing_is_written_to_a_body_in_flight() -> None:
-    found = run("pybullet", thrown(0, height_m=1.0, duration_s=0.3))
+    found = bullet(thrown(0, height_m=1.0, duration_s=0.3), STEP_S)
     assert given_and_taken_j(found) == 0.0
     assert sum(item.moved_m + item.velocity_m_s for item in found.interventions.values()) == 0.0
 
@@ -71,7 +66,7 @@ def test_nothing_is_written_to_a_body_in_flight() -> None:
 @pytest.mark.parametrize("name", ["pymunk", "pybullet"])
 def test_next_to_nothing_is_written_to_a_statue_that_is_thrown_up_and_lands(name: str) -> None:
     up = BaseExcitation(x=Harmonic(0.2 * G, 2.0), z=Pulse("one_sine", 1.6 * G, 0.4, 0.1))
-    found = run(name, replace(scene(PAESTUM, duration_s=0.8), base_excitation=up))
+    found = run(name, replace(scene(PAESTUM, duration_s=0.8), base_excitation=up), STEP_S)
     fell_j = PAESTUM.mass_kg * G * float(found.validity["statue_flight_m"])  # type: ignore[arg-type]
     assert fell_j > 100.0
     assert given_and_taken_j(found) < budget.WRITTEN_IN_FLIGHT * fell_j
@@ -84,7 +79,7 @@ def test_next_to_nothing_is_written_where_a_wall_is_met(name: str, pedestal: boo
         paestum(0.429, 2.0, mu=(0.2, 0.15), pedestal=pedestal, duration_s=2.0),
         wall=Wall("right", 0.2 if pedestal else 0.03),
     )
-    found = run(name, on)
+    found = run(name, on, STEP_S)
     assert found.outcome is Outcome.TOUCHES_WALL
     assert given_and_taken_j(found) < budget.WRITTEN_AT_WALL_J
 
@@ -102,5 +97,5 @@ def test_a_turned_foot_may_slide(monkeypatch: pytest.MonkeyPatch) -> None:
         turned.append(foot_m)
 
     monkeypatch.setattr(StepState, "turn", turn)
-    run("pybullet", thrown(1))
+    bullet(thrown(1), STEP_S)
     assert turned
