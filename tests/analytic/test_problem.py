@@ -46,6 +46,8 @@ def test_an_unknown_keyword_and_a_missing_duration_are_refused() -> None:
         ({"statue_friction": -0.1}, "statue_friction"),
         ({"floor_static": 0.1, "floor_kinetic": 0.2}, "kinetic"),
         ({"dt_s": 0.0}, "dt_s"),
+        ({"dt_s": float("nan")}, "dt_s"),
+        ({"accuracy_rad": -1.0}, "accuracy_rad"),
         ({"step_cap_s": 0.0}, "step_cap_s"),
         ({"accuracy_rad": float("nan")}, "accuracy_rad"),
     ],
@@ -54,6 +56,8 @@ def test_wrong_numbers_are_named(wrong: dict[str, Any], name: str) -> None:
     given: dict[str, Any] = {"duration_s": 1.0} | wrong
     with pytest.raises(AnalyticInputError, match=name):
         simulate(STATUE, MOTION, **given)
+    with pytest.raises(AnalyticInputError, match="mass_kg"):
+        Block.rectangle(width_m=0.1, height_m=1.0, mass_kg=-1.0)
 
 
 def test_the_everyday_names_of_motions_stay() -> None:

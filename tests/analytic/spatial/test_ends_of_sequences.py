@@ -1,4 +1,6 @@
-"""Impacts that come by turns, ever smaller: what is left of them is dropped, at every local error, and the run goes on."""
+"""Impacts that come by turns, ever smaller, are dropped at every local error; a slow slide turns and stops: the run goes on."""
+
+from typing import Final
 
 import numpy as np
 import pytest
@@ -8,6 +10,27 @@ from analytic import spatial
 from analytic.block import GRAVITY_M_S2 as GRAVITY
 from tests import budgets_spatial as budget
 from tests.analytic.spatial.test_variety import drawn
+
+FRICTION: Final = 0.4
+BODY: Final = spatial.Body.block(400.0, 0.35, 0.45, 1.1)
+LONG_S: Final = 2.0
+COARSE: Final = 1e-7
+"""Local error of a run for its outcome: the finest ones of these scenes take up to a million steps."""
+SCENES: Final = (
+    (2.0, 1.0 / 0.6, 0.9158),
+    (2.0, 1.0 / 0.7, 0.9158),
+    (2.0, 1.1, 1.2),
+    (2.0, 1.7, 1.1053),
+    (1.25, 1.0 / 0.7, 0.8211),
+    (1.25, 1.3, 0.9632),
+    (1.25, 1.1, 1.1526),
+    (1.25, 1.7, 0.9158),
+    (1.0, 1.1, 0.7737),
+    (1.5, 1.0 / 0.7, 0.7737),
+    (1.5, 1.3, 1.1526),
+    (1.5, 1.1, 0.7737),
+)
+"""Frequencies of one sine along x and y, Hz, and their factor. Each once ended as a paradox at one local error or another."""
 
 LOCAL_ERRORS = (1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
 
@@ -55,9 +78,28 @@ def test_a_vertex_that_slides_about_another_stops_where_it_would_turn_round() ->
     assert run.work.steps + run.work.rejected < budget.SEQUENCE_STEPS
 
 
+def problem(x_hz: float, y_hz: float, factor: float) -> spatial.Problem:
+    """One sine of 0.4 g along x and one of 0.35 g along y, both times the factor."""
+    x, y = (
+        analytic.Pulse("one_sine", amplitude * factor * GRAVITY, 1.0 / hz)
+        for amplitude, hz in ((0.4, x_hz), (0.35, y_hz))
+    )
+    return spatial.Problem(BODY, LONG_S, FRICTION, None, x, y, gravity_m_s2=GRAVITY)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_mode_is_possible_all_the_time(scene: tuple[float, float, float]) -> None:
+    """At a coefficient of 0.4 these bodies are far from Painlevé's paradox: a run must reach its end, and there rest."""
+    run = spatial.solve(problem(*scene), tolerance=COARSE, dt_out_s=None)
+    assert run.outcome is spatial.Outcome.STANDS
+    assert run.intervals[-1].mode is spatial.Mode.REST
+    assert not run.gave_up
+
+
 def test_a_run_is_given_up_after_the_steps_that_it_may_take() -> None:
     run = spatial.solve(between_two_feet(), most_steps=300, dt_out_s=None)
     assert run.gave_up
     assert run.work.steps + run.work.rejected == pytest.approx(300, abs=1)
+    assert run.end_s < 2.0
     certified = spatial.certify(between_two_feet(), most_steps=300)
     assert not certified.complete

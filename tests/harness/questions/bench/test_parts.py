@@ -50,19 +50,26 @@ def test_what_was_interrupted_goes_on_and_what_is_finished_is_kept(tmp_path: Pat
     assert not second.left
 
 
-def test_a_whole_measurement_is_made_anew(tmp_path: Path) -> None:
-    measure(tmp_path, parts(Counting()), None, STAMP, silent)
-    again = Counting()
-    measure(tmp_path, parts(again), None, STAMP, silent)
-    assert again.done == ["a", "b", "c", "d"]
+OTHER = {**STAMP, "versions": {"rockcheck": "2"}}
 
 
-def test_one_part_is_measured_anew_the_others_are_kept(tmp_path: Path) -> None:
-    measure(tmp_path, parts(Counting()), None, STAMP, silent)
+@pytest.mark.parametrize(
+    ("first", "asked", "stamp", "done"),
+    [
+        (None, None, STAMP, ["a", "b", "c", "d"]),  # a whole one is made anew
+        (None, ["second"], STAMP, ["d"]),  # of one part alone the others are kept
+        (["first"], None, OTHER, ["a", "b", "c", "d"]),  # rows of other versions are not used
+        (["first"], None, STAMP, ["d"]),
+    ],
+)
+def test_what_is_measured_again(
+    tmp_path: Path, first: list[str] | None, asked: list[str] | None, stamp: dict[str, Any], done: list[str]
+) -> None:
+    measure(tmp_path, parts(Counting()), first, STAMP, silent)
     again = Counting()
-    _, (first, _) = measure(tmp_path, parts(again), ["second"], STAMP, silent)
-    assert again.done == ["d"]
-    assert not first.left
+    _, found = measure(tmp_path, parts(again), asked, stamp, silent)
+    assert again.done == done
+    assert not found[0].left
 
 
 def test_a_part_alone_leaves_the_others_to_do_and_says_so(tmp_path: Path) -> None:
@@ -78,13 +85,6 @@ def test_the_command_that_repeats_a_run_carries_its_options(tmp_path: Path) -> N
     assert command("stress", True, part) == "rockcheck stress --quick --parts second"
     _, whole = measure(tmp_path, [*parts(Counting()), Part("nothing to do", (), Counting())], None, STAMP, silent)
     assert command("bench", False, whole) == "rockcheck bench"
-
-
-def test_rows_of_other_versions_are_not_used(tmp_path: Path) -> None:
-    measure(tmp_path, parts(Counting()), ["first"], STAMP, silent)
-    again = Counting()
-    measure(tmp_path, parts(again), None, {**STAMP, "versions": {"rockcheck": "2"}}, silent)
-    assert again.done == ["a", "b", "c", "d"]
 
 
 def test_a_damaged_row_is_told_with_what_can_be_done(tmp_path: Path) -> None:
