@@ -86,20 +86,24 @@ def volume1(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, net
     return _write(path, lines)
 
 
-def v1a(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float) -> Path:
-    """GeoNet V1A, whose numbers touch where they are large."""
+def geonet(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, *, corrected: bool) -> Path:
+    """GeoNet V1A, or V2A with blocks for velocities and displacements; its numbers touch where they are large."""
     lines: list[str] = []
+    kind, step = ("Corrected", "Instrument corrected data at") if corrected else (
+        "Uncorrected", "Raw readings in units of 1.00 mm/s/s  at intervals of",
+    )  # fmt: skip
     for accel, name in channels:
         peak = accel[np.argmax(np.abs(accel))] * 1000.0
         lines += [
-            "Uncorrected accelerogram 20161113_110256_THZ_20 GNS Science", "Site THZ       41 45 45S  172 54 19E", "Top House",
+            f"{kind} accelerogram 20161113_110256_THZ_20 GNS Science", "Site THZ       41 45 45S  172 54 19E", "Top House",
             "Instrument", "Resolution", "Accelerogram", "Near", "2016 November 13         11:02:56 UT", "Epicentre",
             f"Number of points  {accel.size}    Duration {accel.size * dt_s:.2f} s",
-            f"Raw readings in units of 1.00 mm/s/s  at intervals of {dt_s:.3f} s", "Data is unfiltered", f"Component {name}",
+            f"{step} {dt_s:.3f} s", "Data is unfiltered", f"Component {name}",
             f"Acceleration:  Peak {peak:8.1f} mm/s/s at {dt_s * np.argmax(np.abs(accel)):6.2f} s     RMS    54.28 mm/s/s",
             "Velocity record unevaluated", "Displacement record unevaluated",
         ]  # fmt: skip
-        lines += ["".join(f"{0:8d}" for _ in range(10))] * 10 + rows(accel * 1000.0, 10, "{:8.1f}")
+        lines += ["".join(f"{0:8d}" for _ in range(10))] * 10
+        lines += rows(accel * 1000.0, 10, "{:8.1f}") * (3 if corrected else 1)
     return _write(path, lines)
 
 
@@ -176,8 +180,12 @@ def smc_pairs(path: Path, t_s: Floats, accel: Floats) -> Path:
     return _write(path, [*text, *numbers, "|", *("".join(body[i : i + 8]) for i in range(0, len(body), 8))])
 
 
-def usc_v2(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, line: str) -> Path:
-    """USC's volume 2: 25 text lines, 7 of integers, 13 of reals, then accelerations; last of all no velocities and displacements.
+CSMIP_V2 = "{n:5d} POINTS OF ACCEL DATA EQUALLY SPACED AT  {dt:.3f} SEC.  (UNITS: CM/SEC/SEC)"
+"""The line above the accelerations that CSMIP's second volume has."""
+
+
+def usc_v2(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, line: str, *, whole: bool = False) -> Path:
+    """USC's volume 2: 25 text lines, 7 of integers, 13 of reals, then accelerations; last, if `whole`, velocities and so on.
 
     `line` is the one above the accelerations, {n} and {dt} in it.
     """
@@ -196,7 +204,7 @@ def usc_v2(path: Path, channels: Sequence[tuple[Floats, str]], dt_s: float, line
             *["".join(f"{0.0:10.3f}" for _ in range(8))] * 13,
         ]
         lines += [line.format(n=accel.size, dt=dt_s), *rows(100.0 * accel, 8, "{:10.3f}")]
-        for what in ("VEL", "DIS") if accel is not channels[-1][0] else ():
+        for what in ("VEL", "DIS") if whole or accel is not channels[-1][0] else ():
             lines += [
                 f"{accel.size:5d} POINTS OF {what} DATA EQUALLY SPACED AT {dt_s:.3f} SEC",
                 *rows(accel, 8, "{:10.3f}"),

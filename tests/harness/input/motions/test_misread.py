@@ -110,10 +110,3 @@ def test_a_bad_sister_costs_itself_only(tmp_path: Path, content: bytes) -> None:
     assert told.values["file"] == "RSN1_A_180.AT2"
     with pytest.raises(InputError):
         read_record(tmp_path / "RSN1_A_180.AT2")
-
-
-def test_a_record_in_utf_16_is_read(tmp_path: Path) -> None:
-    path = writers.at2(tmp_path / "a.AT2", wave(), 0.01, "090")
-    plain = read_record(path).channels[0].accel_m_s2
-    path.write_text(path.read_text(), encoding="utf-16")
-    assert np.array_equal(read_record(path).channels[0].accel_m_s2, plain)

@@ -28,7 +28,12 @@ BUILDERS: dict[str, Callable[[Path], Path]] = {
     "USC V1": lambda path: layouts.volume1(path / "017m30bt.s0a", [(THREE[0], "N00W")], 0.01, "USC"),
     "RENADIC V1": lambda path: layouts.volume1(path / "a.v1", [(THREE[0], "NS"), (THREE[1], "V")], 0.01, "RENADIC"),
     "BHRC V1": lambda path: layouts.volume1(path / "b.V1", [(THREE[0], "L1"), (THREE[1], "V2"), (THREE[2], "T3")], 0.005, "BHRC"),
-    "GeoNet V1A": lambda path: layouts.v1a(path / "a.V1A", [(THREE[0], "S90E"), (8.0 * THREE[1], "Up")], 0.005),
+    "GeoNet V1A": lambda path: layouts.geonet(
+        path / "a.V1A", [(THREE[0], "S90E"), (8.0 * THREE[1], "Up")], 0.005, corrected=False
+    ),
+    "GeoNet V2A": lambda path: layouts.geonet(
+        path / "a.V2A", [(THREE[0], "N28W"), (THREE[1], "Up")], 0.02, corrected=True
+    ),
     "NSMN (AFAD)": lambda path: layouts.nsmn(path / "a.txt", THREE, 0.01),
     "UNAM": lambda path: layouts.unam(path / "ACAC1709.191", THREE, 0.005),
     "CWB": lambda path: layouts.cwb(path / "2-ECU.dat", THREE, 0.005),
@@ -45,12 +50,17 @@ BUILDERS: dict[str, Callable[[Path], Path]] = {
         path / "usc0003.v2", [(THREE[0], "S00E")], 0.02,
         "{n:5d} POINTS OF ACC DATA EQUALLY SPACED AT  {dt:.4f} SEC.  (UNITS: CM/SEC/SEC)",
     ),
+    "CSMIP V2": lambda path: layouts.usc_v2(
+        path / "a.v2", [(THREE[0], "90"), (THREE[1], "Up")], 0.02, layouts.CSMIP_V2, whole=True
+    ),
     "AT2": lambda path: writers.at2(path / "a.AT2", THREE[0], 0.01, "090", stuck=True),
     "SMC": lambda path: writers.smc(path / "b.smc", THREE[0], 100.0, 45, 90, 200.0),
+    "COSMOS 1.20": lambda path: writers.cosmos(path / "a.V2", [(THREE[0], 90), (THREE[1], 0)], 0.01, milliseconds=False),
     "ESM": lambda path: writers.esm(path / "a.ASC", THREE[0], 0.01, "HNE", "20190728_160919.870"),
 }  # fmt: skip
 OTHER_NAMES = {
-    "AT2": "PEER AT2", "SMC": "USGS SMC", "ESM": "ITACA/ESM ASCII", "CSMIP V1 film": "CSMIP V1", "CSMIP V1 1990s": "CSMIP V1",
+    "AT2": "PEER AT2", "SMC": "USGS SMC", "ESM": "ITACA/ESM ASCII",
+    "COSMOS 1.20": "COSMOS", "CSMIP V1 film": "CSMIP V1", "CSMIP V1 1990s": "CSMIP V1",
 }  # fmt: skip
 
 
@@ -89,8 +99,9 @@ def test_a_network_s_layout_is_read_in_every_wrapping(tmp_path: Path, name: str)
 def test_a_network_s_file_that_is_cut_is_refused_in_its_reader_s_words(tmp_path: Path, name: str) -> None:
     path = BUILDERS[name](tmp_path)
     lines = path.read_text().splitlines()
-    body = [i for i, line in enumerate(lines) if not line.startswith("/&")]
-    for keep in (body[-4], body[int(0.45 * len(body))]) if name != "CWB" else (body[int(0.45 * len(body))],):
+    body = [i for i, line in enumerate(lines) if not line.startswith(("/&", "End-of-data"))]
+    middle = body[int(0.45 * len(body))]
+    for keep in (body[-1], body[-4], middle) if name != "CWB" else (middle,):
         path.write_text("\n".join(lines[:keep]))
         with pytest.raises(InputError, match=r"cut off|as its header says") as error:
             read_file(path)

@@ -1,6 +1,5 @@
 """Every format recognised by content, with units, directions, clocks and touching numbers; damaged files refused by line."""
 
-import gzip
 from pathlib import Path
 
 import numpy as np
@@ -131,14 +130,6 @@ def test_csv_units_and_separators(tmp_path: Path, unit: str, factor: float, mark
     np.testing.assert_allclose(record.channels[0].accel_m_s2, accel, rtol=1e-8, atol=1e-12)
     assert record.channels[0].orientation == ChannelOrientation(332.0)
     assert record.channels[1].orientation.vertical
-
-
-def test_gzip_is_unpacked(tmp_path: Path) -> None:
-    plain = writers.at2(tmp_path / "a.AT2", wave(), 0.01, "UP")
-    (tmp_path / "b.AT2.gz").write_bytes(gzip.compress(plain.read_bytes()))
-    np.testing.assert_array_equal(
-        read_record(tmp_path / "b.AT2.gz").channels[0].accel_m_s2, read_record(plain).channels[0].accel_m_s2
-    )
 
 
 def test_readers_without_originals_say_so(tmp_path: Path) -> None:

@@ -37,8 +37,17 @@ def rows(values: Floats, per_line: int, form: str) -> list[str]:
     return ["".join(parts[i : i + per_line]) for i in range(0, len(parts), per_line)]
 
 
-def smc(path: Path, accel_m_s2: Floats, rate_hz: float, azimuth: int, from_vertical: int, stated_cm_s2: float) -> Path:
-    """USGS SMC with two comment lines; exponents of one digit make neighbours touch, as in the network's files."""
+def smc(
+    path: Path,
+    accel_m_s2: Floats,
+    rate_hz: float,
+    azimuth: int,
+    from_vertical: int,
+    stated_cm_s2: float,
+    *,
+    apart: bool = False,
+) -> Path:
+    """USGS SMC with two comment lines; exponents of one digit make neighbours touch, as in the network's files, or `apart`."""
     text = ["2 CORRECTED ACCELEROGRAM", "*", "CODE", "     1989  10  18    0004 Somewhere", "Moment Mag=      7.1"]
     text += [f"station = Town, 12 Street              component= {azimuth:6d}", "epicentral dist =", "inst type="]
     text += ["*", "*", "*"]
@@ -47,7 +56,7 @@ def smc(path: Path, accel_m_s2: Floats, rate_hz: float, azimuth: int, from_verti
     reals = [1.7e38] * 50
     at = int(np.argmax(accel_m_s2)) / rate_hz, int(np.argmin(accel_m_s2)) / rate_hz
     reals[1], reals[28], reals[29], reals[30], reals[31] = rate_hz, at[0], stated_cm_s2, at[1], -1.0
-    values = [one_digit_exponent(100.0 * value) for value in accel_m_s2]
+    values = [f"{100.0 * v:10.3f}" if apart else one_digit_exponent(100.0 * v) for v in accel_m_s2]
     body = ["".join(values[i : i + 8]) for i in range(0, len(values), 8)]
     numbers = ["".join(f"{v:10d}" for v in ints[i : i + 8]) for i in range(0, 48, 8)]
     numbers += ["".join(f"{v:15.7E}" for v in reals[i : i + 5]) for i in range(0, 50, 5)]
