@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse
-from harness import RunOptions, Scene
+from harness import Scene
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
 from harness.model.scene import BaseExcitation, Pedestal
