@@ -46,6 +46,8 @@ class EventKind(StrEnum):
     END = "end"
 
 
+PATTERNS: Final = ("rest", "sliding", "rocking", "both")
+"""Of motion, by 2 where the statue rocks and 1 where the pedestal slides."""
 _START, *_BETWEEN, _END = EventKind
 KINDS = (_END, *_BETWEEN, _START, _END)
 """Event of each of the kernel's codes."""
@@ -84,9 +86,7 @@ class Event:
     @property
     def pattern(self) -> str:
         """Motion pattern after the event: rest, rocking, sliding or both."""
-        if self.rocking:
-            return "both" if self.slide else "rocking"
-        return "sliding" if self.slide else "rest"
+        return PATTERNS[2 * self.rocking + (self.slide != 0)]
 
 
 @final
@@ -123,7 +123,6 @@ class Validity:
 LEFT_BY: Final = ("", "statue_slides", "contact_lost", "pedestal_tips", "beyond_base")
 """What each of the kernel's codes for a limit passed says: statue on its support, statue or pedestal in flight, pedestal, a lean
 beyond the statue's base."""
-PATTERNS: Final = ("rest", "sliding", "rocking", "both")
 NO_EVENTS: Final[Records] = np.zeros(0, EVENT_ROW)
 NO_TIMES: Final[NDArray[np.float64]] = np.zeros(0)
 NO_HISTORY: Final = (NO_TIMES,) * 5

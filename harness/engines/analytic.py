@@ -160,14 +160,13 @@ def _validity(scene: Scene, solution: Solution) -> dict[str, object]:
 
 def skipped(solution: Solution, keep: bool) -> dict[str, float | None]:
     """What a run left out, by skip (`Run.skipped`); `keep`: its history was asked."""
-    left: dict[str, float | None] = {}
-    if solution.results.skipped_s > 0.0:
-        left["quiet_rest"] = solution.results.skipped_s
-    if not keep:
-        left["no_history"] = None
-    if solution.overturn_time_s is not None:
-        left["stop_at_overturn"] = None
-    return left
+    rest_s = solution.results.skipped_s
+    known = [
+        ("quiet_rest", rest_s > 0.0, rest_s),
+        ("no_history", not keep, None),
+        ("stop_at_overturn", solution.overturn_time_s is not None, None),
+    ]
+    return {name: seconds for name, holds, seconds in known if holds}
 
 
 def left_out(motion: BaseExcitation) -> tuple[Finding, ...]:
