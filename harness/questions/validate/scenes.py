@@ -22,7 +22,7 @@ from harness.input.mesh_statue import statue_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import InputError, Mistake, require, required
 from harness.model.history import Array
 from harness.model.run import Capabilities
 from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
@@ -121,10 +121,9 @@ def _columns(path: Path, time_column: str, column: str | None) -> dict[str, int 
     around it.
     """
     lines = decoded(read_bytes(path, "a motion"), str(path), "a table with a header").splitlines()
-    first = next((place for place, line in enumerate(lines) if _numeric(_cells(line))), None)
-    if first is None:
-        last, advice = ", ".join(_cells(lines[-1])), "leave out columns of words"
-        raise InputError(Mistake(str(path), f"line {len(lines)}", "numbers in all columns", last, advice))
+    found = next((place for place, line in enumerate(lines) if _numeric(_cells(line))), None)
+    last, advice = ", ".join(_cells(lines[-1])), "leave out columns of words"
+    first = required(found, str(path), "numbers in all columns", last, advice, key=f"line {len(lines)}")
     above = [row for row in map(_cells, reversed(lines[:first])) if any(row)] or [[]]
     headers = next((row for row in above if time_column in row), above[0])
     numbered = [str(place + 1) for place in range(len(_cells(lines[first])))]
