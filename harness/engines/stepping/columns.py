@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
 
 import numpy as np
 
@@ -83,8 +82,9 @@ class Trajectory:
         return Trajectory(**columns, extra=extra)  # type: ignore[arg-type]
 
 
-JUMP_IN_G: Final = 10.0
-"""An acceleration above this many g is an impact's: velocities on its two sides are not averaged."""
+JUMP_IN_G, PULLS = 10.0, 2.0
+"""An acceleration above this many g, and this many times what weight and table can do together, is an impact's: velocities on
+its two sides are not averaged."""
 
 
 def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float) -> Trajectory:
@@ -135,7 +135,7 @@ def trajectory(scene: Scene, record: StepLog, axes: Array | None, step_s: float)
 def _whole_steps(record: StepLog, step_s: float, scene: Scene) -> tuple[Array, Array]:
     """Times (n,) and rows (n, 13 or 26) at whole steps, with velocities of those times instead of half a step before."""
     t_s, kick_s, rows = np.array(record.t_s), np.array(record.kick_s), record.rows.copy()
-    jump = JUMP_IN_G * scene.gravity_m_s2
+    jump = max(JUMP_IN_G * scene.gravity_m_s2, PULLS * frame.greatest_pull_m_s2(scene))
     for columns, limit in (
         (slice(7, 10), jump),
         (slice(10, 13), jump / scene.statue.centroid_height_m),
