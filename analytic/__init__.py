@@ -55,8 +55,6 @@ Closed-form answers are in `analytic.closed_form` (free rocking, Newmark sliding
 Names are loaded when first used, so that importing a motion does not start the compiler.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 

@@ -1,7 +1,5 @@
 """What is rocked: the statue, its pedestal, the floor's friction, the form of the model and a wall, as plain numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields

@@ -17,8 +17,6 @@ a block slides under one rectangular pulse of 0.3 g and 0.4 s at a friction of 0
 235.4 mm
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import final

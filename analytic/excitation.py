@@ -4,8 +4,6 @@ Every motion starts from rest at t = 0 and is immutable. At a jump the value fro
 record's last sample, which is its own.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right

@@ -3,8 +3,6 @@
 To import the compiler costs a second of processor time, to load its own cache half of one more; LLVM's loader takes 40 ms.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import gc

@@ -2,8 +2,6 @@
 encoded.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 from functools import lru_cache

@@ -15,8 +15,6 @@ Which sine pulses of ω/p = 5 overturn a block that keeps 0.9 of its rate at an 
 0
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What a run of the analytic model says: frozen, plain numbers and arrays."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from enum import StrEnum

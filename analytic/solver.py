@@ -1,7 +1,5 @@
 """One run of the two-block model: a problem in, a frozen solution out; between them the memory of its task; its certificate."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 from dataclasses import dataclass, fields

@@ -14,8 +14,6 @@ Scenes, runs, histories, scores and studies show themselves in a notebook, and h
 [frames]) and `plot(ax)`; docs/example.ipynb uses them all.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 

@@ -1,7 +1,5 @@
 """A wall or a second body scanned together with a statue: seen in upright sections, cut off by an upright plane where asked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, radians, sin

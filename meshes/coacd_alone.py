@@ -3,8 +3,6 @@
 CoACD is C++ that some closed meshes bring down with a segmentation fault, and everything that runs in its process with it.
 """
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

@@ -4,8 +4,6 @@ The base touches through the mesh's own vertices (`Solid.feet_m`) in every case,
 and convex parts (`meshes.decomposition`) stand for the body above the base where a pedestal's edge can be met.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Convex parts of a statue (CoACD): each within the statue's hull and a vertex budget, made once for a mesh and then kept."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import signal

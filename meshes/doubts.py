@@ -1,7 +1,5 @@
 """What makes a closed surface no single statue: it passes through itself, hangs by a point, or a floor hangs on it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -4,8 +4,6 @@ Heights are kept: a base is never planed flat here. Azimuths are directions in t
 from x seen from above: the direction towards which the body would topple.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

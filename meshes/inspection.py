@@ -1,7 +1,5 @@
 """What a scan is, in numbers and words: raw counts, the log of its preparation, the solid and its slenderness."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 """A mesh file read into metres with z up: formats, units, up axis. What it cannot use it refuses; it repairs
 nothing."""
 
-from __future__ import annotations
-
 import json
 import logging
 import re

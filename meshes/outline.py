@@ -4,8 +4,6 @@ The widest of many noisy points lies some standard deviations outside the true e
 large on every side. Fitted sides are not.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

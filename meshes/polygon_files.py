@@ -1,7 +1,5 @@
 """PLY and OBJ as they are written: polygons, triangle strips, vertices between faces, indices from the end."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Sequence

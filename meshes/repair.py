@@ -1,8 +1,6 @@
 """Small repairs of a scan's triangles, each on its own: it returns the mesh and the change, None if there was nothing
 to do."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from statistics import NormalDist

@@ -1,7 +1,5 @@
 """A flat base made uneven as a real one is: the edges of its outline divided, every base vertex lifted by a drawn height."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where a surface passes through itself: triangles pierced by another's edge, parts turned inside out by it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import product
 

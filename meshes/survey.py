@@ -1,7 +1,5 @@
 """What a surface cannot tell: hollow or inhomogeneous statues, weighed and surveyed numbers set against the mesh."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Final

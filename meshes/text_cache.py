@@ -4,8 +4,6 @@ The folder is `rockcheck/meshes` in XDG_CACHE_HOME or `~/.cache`. It may be remo
 where others could write into it, nothing is kept.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

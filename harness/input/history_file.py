@@ -1,7 +1,5 @@
 """Histories from CSV files of any software, and how far the digits written there leave them open."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

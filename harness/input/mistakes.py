@@ -1,7 +1,5 @@
 """Turn validation errors into mistakes that name file, key, line, what was wanted and what came."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final, get_args, get_origin

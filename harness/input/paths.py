@@ -1,7 +1,5 @@
 """Where the files that a scene names are: beside the scene, absolute, or in the data folder."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Text that a user hands in: how much of it is read, its encoding, and what counts as a number in it."""
 
-from __future__ import annotations
-
 import gzip
 import io
 import math

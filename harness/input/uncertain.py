@@ -1,7 +1,5 @@
 """`[uncertainty]`: which numbers of a scene are not known, and how far."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase

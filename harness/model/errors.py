@@ -1,7 +1,5 @@
 """What a user is told when the input is wrong: every mistake at once, each with its place."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Collection, Iterable

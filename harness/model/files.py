@@ -4,8 +4,6 @@ Every file of a kind that has room for it carries a seal: the checksum of all it
 the last key). A file of which one byte was changed, or that only holds our words, has none.
 """
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """The records of measured sets and of a validation: models and a bare threshold on PGV scored on measured tests."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal

@@ -1,7 +1,5 @@
 """What a scene rests on, needs and may leave out, decided before anything runs; printed by `--explain`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Integrity of a record: what makes it unusable is refused, what only makes it doubtful is said."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final

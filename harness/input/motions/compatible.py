@@ -5,8 +5,6 @@ Matching: tapered cosines added at each oscillator's peak, their sizes from the 
 (Lilhanand and Tseng 1988; wavelet of Al Atik and Abrahamson 2010, eq. 6), repeated; each pass ends at rest.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What a motion is made of, for a table, a picture and JSON: `rockcheck motion inspect FILE`."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path

@@ -3,8 +3,6 @@
 Relative displacement d of q̈ + 2ζω q̇ + ω² q = −a(t); Nigam and Jennings (1969) is this recurrence written out.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

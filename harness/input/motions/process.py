@@ -2,8 +2,6 @@
 `done` what it did and what that changed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A record as a scene asks for it: file, channel or azimuth, and the processing in its fixed order."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

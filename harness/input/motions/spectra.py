@@ -8,8 +8,6 @@ All are one shape (EN 1998-1, 3.2.2.2; NTC 3.2.3.2.1): with p the peak accelerat
 Horizontal: p = a_g S, A = F0 (2.5 in Eurocode 8). Vertical: docs/motions.md, "Target spectra".
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -1,8 +1,6 @@
 """Which cases an engine is asked (all, those near the boundary of the outcome, or a map refined where it changes), and what
 random rechecks say of those that were left out."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from collections import defaultdict

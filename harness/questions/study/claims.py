@@ -2,8 +2,6 @@
 held, of how many, and the evidence. Verdicts are computed, never typed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Many cases, several models: outcomes, verdicts and distributions of each model against a reference model."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final

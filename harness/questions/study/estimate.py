@@ -1,7 +1,5 @@
 """How long a study may take, told before it begins; studies over a day need `--large`."""
 
-from __future__ import annotations
-
 import random
 from collections import defaultdict
 from operator import itemgetter

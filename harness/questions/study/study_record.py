@@ -1,7 +1,5 @@
 """The record of a study: what its page shows, taken from the store, and its answer."""
 
-from __future__ import annotations
-
 import csv
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence

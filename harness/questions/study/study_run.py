@@ -4,8 +4,6 @@ A plan of any size is made as it is run; what is finished is never lost. Beside 
 scene's sweep.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import math

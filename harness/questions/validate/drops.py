@@ -1,7 +1,5 @@
 """Measured planar drops, and models against them: what is fitted on a third, how probable what was seen is on the others."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -5,8 +5,6 @@ from day to day is weighed by the tests of all its days, what was set up by thos
 counts of either outcome are added to theirs, follows from how likely each test is by all the others of its body.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence

@@ -3,8 +3,6 @@
 One line a trial: `group` (trials of one block), `trial`, `width_m, height_m, depth_m, mass_kg`, `ratio_measured`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The runs of a validation: which are wanted, what names them, and what a worker does."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What measured sets have in common: a table of a name and numbers a line, a body that is thrown, models that are asked."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """From a test of the table to the scenes that are run: its motion, each unknown input, each small perturbation."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import math

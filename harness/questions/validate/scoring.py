@@ -1,7 +1,5 @@
 """What the runs of a validation are worth against what was measured, and two models beside each other."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence

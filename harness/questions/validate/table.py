@@ -1,7 +1,5 @@
 """The table of experiments: one row for each test on a shake table, as CSV."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

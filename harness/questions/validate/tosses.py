@@ -5,8 +5,6 @@ rotation from the body's axes to the table's `qw, qx, qy, qz`, the velocities of
 the body's axes `wx_rad_s, wy_rad_s, wz_rad_s`, both as backward differences; as DAIRLab's contact-nets tells them, in SI units.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

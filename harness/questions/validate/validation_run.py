@@ -1,7 +1,5 @@
 """One call: read the table, run what is missing, score it, write the record; and one that scores every table of another kind."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence

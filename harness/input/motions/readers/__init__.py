@@ -4,8 +4,6 @@ To add a format: one file beside this one with MARK and read(lines, where), its 
 name in FORMATS (`recordfile.py`).
 """
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Iterator

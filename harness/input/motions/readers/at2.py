@@ -1,7 +1,5 @@
 """PEER's AT2: four header lines, then accelerations in g, one channel in a file."""
 
-from __future__ import annotations
-
 import re
 
 from harness.input.motions.recordfile import (

@@ -1,7 +1,5 @@
 """COSMOS volume 0 to 2 (V0C, V1C, V2C): self-describing header and data blocks, one or more channels in a file."""
 
-from __future__ import annotations
-
 import re
 from typing import Final
 

@@ -1,7 +1,5 @@
 """CSV and plain columns: a time column and one column or more of acceleration, the unit in the headers or given."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Collection, Sequence

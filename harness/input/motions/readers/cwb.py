@@ -1,7 +1,5 @@
 """Taiwan's Central Weather Bureau (CWB, today CWA): "#key: value" lines, then time and three columns in gal."""
 
-from __future__ import annotations
-
 import re
 
 from harness.input.motions.process import clock_of

@@ -1,7 +1,5 @@
 """ITACA and ESM (DYNA): header lines "KEY: value", then one acceleration per line, one channel in a file."""
 
-from __future__ import annotations
-
 import re
 from datetime import datetime
 from typing import Final

@@ -1,7 +1,5 @@
 """GeoNet's V1A and V2A: per channel 16 text and 10 number lines, then accelerations (V2A: also velocities, displacements)."""
 
-from __future__ import annotations
-
 import re
 
 from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, block, check_rows

@@ -1,7 +1,5 @@
 """K-NET and KiK-net ASCII (NIED): 17 header lines, then counts times a scale factor; one component in a file."""
 
-from __future__ import annotations
-
 import re
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Türkiye's strong-motion network (AFAD, NSMN): "KEY : value" lines, then three columns in gal under N-S, E-W, U-D."""
 
-from __future__ import annotations
-
 import re
 
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns

@@ -1,7 +1,5 @@
 """miniSEED and SAC through ObsPy, an extra: the trace's numbers as accelerations in the unit that the user gives."""
 
-from __future__ import annotations
-
 import io
 from typing import Any, Final
 

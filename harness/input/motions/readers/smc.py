@@ -1,7 +1,5 @@
 """USGS SMC: 11 text lines, 48 integers, 50 reals, comments, then accelerations in cm/s², even or in pairs with their times."""
 
-from __future__ import annotations
-
 import re
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Any text of numbers, as the user says that it is laid out; and the options that fit a text no reader knows."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Sequence

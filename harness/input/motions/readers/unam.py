@@ -1,7 +1,5 @@
 """UNAM's standard acceleration file (Mexico, also of CICESE's RAC): Spanish "KEY : value" lines, then columns in gal."""
 
-from __future__ import annotations
-
 import re
 
 from harness.input.motions.recordfile import (

@@ -1,7 +1,5 @@
 """Volume 2 of CSMIP and USC: per channel a text, an integer and a real header, then accelerations, velocities, displacements."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -4,8 +4,6 @@ One layout of the 1970s, kept by four networks: pairs of time and g/10 with thre
 CSMIP today even steps in g below a line that says so.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 
