@@ -57,15 +57,15 @@ class Body:
             moments,
         )
         require(
-            vertices.ndim != 2 or vertices.shape[0] <= MAX_VERTICES,
-            "vertices_m: at most {} vertices are wanted, {} came: leave out the flattest.",
-            MAX_VERTICES,
-            len(vertices),
-        )
-        require(
             vertices.ndim == 2 and vertices.shape[0] > 2 and vertices.shape[1] == 3 and np.isfinite(vertices).all(),
             "vertices_m: at least three finite (x, y, z) are wanted, {} came.",
             vertices.shape,
+        )
+        require(
+            len(vertices) <= MAX_VERTICES,
+            "vertices_m: at most {} vertices are wanted, {} came: leave out the flattest.",
+            MAX_VERTICES,
+            len(vertices),
         )
         for each in (inertia, vertices):
             each.setflags(write=False)

@@ -138,6 +138,7 @@ def test_outcomes_are_those_of_single_runs() -> None:
     [
         ({"inertia_kg_m2": np.diag([1.0, 1.0, 3.0])}, "principal"),
         ({"vertices_m": np.zeros((2, 3))}, "three"),
+        ({"vertices_m": 5.0}, "three"),
         ({"vertices_m": np.zeros((257, 3))}, "at most 256"),
         ({"mass_kg": -1.0}, "mass_kg"),
     ],
