@@ -71,10 +71,11 @@ class Contradiction(ValueError):
         self.key, self.wanted, self.got = key, wanted, got
 
 
-def agree(holds: object, key: str, wanted: str, got: str) -> None:
-    """Raise `Contradiction` unless it holds."""
-    if not holds:
-        raise Contradiction(key, wanted, got)
+def agree(*rules: tuple[object, str, str, str]) -> None:
+    """Raise `Contradiction` for the first rule that is broken: whether it holds, the key, what was wanted, what came."""
+    for holds, *told in rules:
+        if not holds:
+            raise Contradiction(*told)
 
 
 def mistakes_of(

@@ -12,7 +12,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationError, model_validator
 
 from analytic.block import GRAVITY_M_S2
-from harness.input.mistakes import Contradiction, UserTable, agree, mistakes_of
+from harness.input.mistakes import UserTable, agree, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
@@ -103,14 +103,13 @@ class StatueTable(UserTable):
         if self.inertia_xyz_kg_m2 is None:
             return self
         x, y, z = self.inertia_xyz_kg_m2
-        agree(self.mesh is None, "inertia_xyz_kg_m2", "no moments beside a mesh: it gives them all", "both")
-        if self.inertia_kg_m2 is not None and abs(y - self.inertia_kg_m2) > SAME_INERTIA * y:
-            raise Contradiction("inertia_xyz_kg_m2", f"inertia_kg_m2 = {self.inertia_kg_m2:g} about y", f"{y:g}")
+        about_y = y if self.inertia_kg_m2 is None else self.inertia_kg_m2
+        possible = 2.0 * max(x, y, z) <= (x + y + z) * (1.0 + SAME_INERTIA)
+        key = "inertia_xyz_kg_m2"
         agree(
-            2.0 * max(x, y, z) <= (x + y + z) * (1.0 + SAME_INERTIA),
-            "inertia_xyz_kg_m2",
-            "no moment above the sum of the other two",
-            f"{x:g}, {y:g}, {z:g}",
+            (self.mesh is None, key, "no moments beside a mesh: it gives them all", "both"),
+            (abs(y - about_y) <= SAME_INERTIA * y, key, f"inertia_kg_m2 = {about_y:g} about y", f"{y:g}"),
+            (possible, key, "no moment above the sum of the other two", f"{x:g}, {y:g}, {z:g}"),
         )
         return self
 
@@ -136,16 +135,13 @@ class ContactTable(UserTable):
 
     @model_validator(mode="after")
     def _ordered(self) -> ContactTable:
+        kinetic, static = self.floor_kinetic, self.floor_static
+        acts = kinetic if isinstance(self.floor_impact, str) else self.floor_impact
+        numbers = f"a number from floor_kinetic = {kinetic:g} to floor_static = {static:g}"
         agree(
-            self.floor_kinetic <= self.floor_static,
-            "floor_kinetic",
-            f"at most floor_static = {self.floor_static:g}",
-            f"{self.floor_kinetic:g}",
+            (kinetic <= static, "floor_kinetic", f"at most floor_static = {static:g}", f"{kinetic:g}"),
+            (kinetic <= acts <= static, "floor_impact", f'"kinetic", "static" or {numbers}', f"{acts:g}"),
         )
-        acts = self.floor_impact
-        if not isinstance(acts, str) and not self.floor_kinetic <= acts <= self.floor_static:
-            between = f"floor_kinetic = {self.floor_kinetic:g} to floor_static = {self.floor_static:g}"
-            raise Contradiction("floor_impact", f'"kinetic", "static" or a number from {between}', f"{acts:g}")
         return self
 
 
@@ -173,18 +169,16 @@ class InitialTable(UserTable):
 
     @model_validator(mode="after")
     def _one_start(self) -> InitialTable:
-        given = [name for name in POSE if name in self.model_fields_set]
-        planar = [name for name in ("theta_rad", "theta_rate_rad_s") if name in self.model_fields_set]
-        if given and planar:
-            raise Contradiction(planar[0], f"no planar start beside {given[0]}: the pose says it all", "both")
-        if given and self.position_m is None:
-            raise Contradiction("position_m", f"the centroid's place beside {given[0]}", "nothing")
+        pose, planar = (
+            next((name for name in names if name in self.model_fields_set), "")
+            for names in (POSE, ("theta_rad", "theta_rate_rad_s"))
+        )
         norm = 1.0 if self.quaternion_wxyz is None else math.hypot(*self.quaternion_wxyz)
+        unit = f"a unit quaternion (norm 1 to {UNIT:g})"
         agree(
-            abs(norm - 1.0) <= UNIT,
-            "quaternion_wxyz",
-            f"a unit quaternion (norm 1 to {UNIT:g})",
-            f"one of norm {norm:.6g}",
+            (not pose or not planar, planar, f"no planar start beside {pose}: the pose says it all", "both"),
+            (not pose or self.position_m is not None, "position_m", f"the centroid's place beside {pose}", "nothing"),
+            (abs(norm - 1.0) <= UNIT, "quaternion_wxyz", unit, f"one of norm {norm:.6g}"),
         )
         return self
 
@@ -214,41 +208,23 @@ class SceneFile(UserTable):
 
     @model_validator(mode="after")
     def _whole(self) -> SceneFile:
+        planar, dt_s = not self.initial.posed, self.output.dt_s
+        lacking = self.model.preset == "paper" and self.contact.restitution == "momentum"
+        topless = self.statue.mesh is None and self.statue.height_m is None
+        floor = "a body on the floor: no [pedestal] beside a pose in space"
+        few = f"a step that leaves at most {MAX_SAMPLES:.0e} samples"
         agree(
-            self.model.preset != "paper" or self.contact.restitution != "momentum",
-            "contact.restitution",
-            'a number such as 0.875 with model.preset = "paper"',
-            "'momentum'",
-        )
-        agree(
-            self.output.dt_s <= self.duration_s,
-            "output.dt_s",
-            f"at most duration_s = {self.duration_s:g}",
-            f"{self.output.dt_s:g}",
-        )
-        agree(
-            self.duration_s / self.output.dt_s <= MAX_SAMPLES,
-            "output.dt_s",
-            f"a step that leaves at most {MAX_SAMPLES:.0e} samples",
-            f"{self.output.dt_s:g}",
-        )
-        agree(
-            not self.initial.posed or self.pedestal is None,
-            "initial.position_m",
-            "a body on the floor: no [pedestal] beside a pose in space",
-            "both",
-        )
-        agree(
-            not self.initial.posed or self.wall is None,
-            "initial.position_m",
-            "no [wall] beside a pose in space",
-            "both",
-        )
-        agree(
-            self.wall is None or self.statue.mesh is not None or self.statue.height_m is not None,
-            "statue.height_m",
-            "a number beside a wall: what touches it is the top",
-            "nothing",
+            (not lacking, "contact.restitution", 'a number such as 0.875 with model.preset = "paper"', "'momentum'"),
+            (dt_s <= self.duration_s, "output.dt_s", f"at most duration_s = {self.duration_s:g}", f"{dt_s:g}"),
+            (self.duration_s / dt_s <= MAX_SAMPLES, "output.dt_s", few, f"{dt_s:g}"),
+            (planar or self.pedestal is None, "initial.position_m", floor, "both"),
+            (planar or self.wall is None, "initial.position_m", "no [wall] beside a pose in space", "both"),
+            (
+                self.wall is None or not topless,
+                "statue.height_m",
+                "a number beside a wall: what touches it is the top",
+                "nothing",
+            ),
         )
         uncertain_inputs(self, self.uncertainty)
         return self

@@ -106,20 +106,16 @@ def uncertain_inputs(model: BaseModel, spreads: Mapping[str, Distribution]) -> t
     inputs: list[Uncertain] = []
     for key, spread in spreads.items():
         before, other = [item.key for item in inputs], spread.correlated_with
-        agree(
-            (other is None) == (spread.rho is None),
+        place, earlier = (
             f'uncertainty."{key}"',
-            "correlated_with and rho together",
-            "one of them",
+            f"an earlier key of the table ({', '.join(before) or 'this is the first'})",
         )
+        twice = next((name for name in before if _moves(name) & _moves(key)), None)
         agree(
-            other is None or other in before,
-            f'uncertainty."{key}"',
-            f"correlated_with an earlier key of the table ({', '.join(before) or 'this is the first'})",
-            repr(other),
+            ((other is None) == (spread.rho is None), place, "correlated_with and rho together", "one of them"),
+            (other is None or other in before, place, f"correlated_with {earlier}", repr(other)),
+            (twice is None, place, f"one key for each number: {twice} moves it too", key),
         )
-        if twice := [name for name in before if _moves(name) & _moves(key)]:
-            raise Contradiction(f'uncertainty."{key}"', f"one key for each number: {twice[0]} moves it too", key)
         item = _uncertain(model, key, spread)
         inputs.append(replace(item, correlated_with=other, rho=spread.rho or 0.0))
     return tuple(inputs)
@@ -149,9 +145,8 @@ def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform 
         kind, width = given.kind, given.width
     else:
         kind, width = spread.kind, float(getattr(spread, WIDTHS[spread.kind]))
-    agree(
-        kind != "lognormal" or value > 0.0, place, "a positive value for a lognormal distribution", f"{key} = {value:g}"
-    )
+    positive = kind != "lognormal" or value > 0.0
+    agree((positive, place, "a positive value for a lognormal distribution", f"{key} = {value:g}"))
     return Uncertain(key, kind, value, width)
 
 

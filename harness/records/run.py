@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from harness.input.mistakes import Contradiction
+from harness.input.mistakes import agree
 from harness.model.finding import Finding, Say
 from harness.model.history import Array, Outcome
 from harness.model.run import OMITTED, Run, RunRow, number
@@ -233,6 +233,5 @@ class RunRecord(Record):
 
     def __post_init__(self) -> None:
         for key, names in (("histories", self.histories), ("horizons", self.horizons)):
-            unknown = [name for name in names or () if name not in self.runs]
-            if unknown:
-                raise Contradiction(key, "engines of `runs`", repr(unknown[0]))
+            unknown = next((name for name in names or () if name not in self.runs), None)
+            agree((unknown is None, key, "engines of `runs`", repr(unknown)))

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from analytic.excitation import Excitation, ZeroExcitation
-from harness.input.mistakes import Contradiction
+from harness.input.mistakes import agree
 from harness.model.history import Array
 from harness.model.run import OMITTED, to_plain
 from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Wall
@@ -115,8 +115,7 @@ class PushRecord:
     first: Cause
 
     def __post_init__(self) -> None:
-        if self.first not in self.shares:
-            raise Contradiction("first", "one of `shares`", repr(self.first))
+        agree((self.first in self.shares, "first", "one of `shares`", repr(self.first)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,8 +141,8 @@ class MotionRecord:
 
     def __post_init__(self) -> None:
         for axis, values in self.accel_m_s2.items():
-            if len(values) != len(self.t_s):
-                raise Contradiction(f"{axis}_m_s2", f"{len(self.t_s)} values, as `t_s` has", f"{len(values)}")
+            times, given = len(self.t_s), len(values)
+            agree((given == times, f"{axis}_m_s2", f"{times} values, as `t_s` has", f"{given}"))
 
     @property
     def accel_m_s2(self) -> dict[Axis, Sequence[float]]:

@@ -294,12 +294,8 @@ def window(series: Series, start_s: float, end_s: float) -> Series:
     """The samples from start_s to end_s, the first becoming t = 0; Contradiction where fewer than two remain."""
     first = math.ceil(start_s / series.dt_s - 1e-9)
     last = min(math.floor(end_s / series.dt_s + 1e-9), series.accel_m_s2.size - 1)
-    agree(
-        last - first >= 1,
-        "window_s",
-        f"a part of the {series.duration_s:g} s that the record lasts",
-        f"{start_s:g} to {end_s:g} s, where nothing is left",
-    )
+    wanted = f"a part of the {series.duration_s:g} s that the record lasts"
+    agree((last - first >= 1, "window_s", wanted, f"{start_s:g} to {end_s:g} s, where nothing is left"))
     return series.changed(
         series.accel_m_s2[first : last + 1],
         info("step_window", from_s=first * series.dt_s, to_s=last * series.dt_s),
@@ -338,18 +334,12 @@ def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:
     from scipy.signal import butter, sosfiltfilt
 
     nyquist = 0.5 / series.dt_s
-    agree(
-        high_hz < nyquist,
-        "bandpass_hz",
-        f"a high corner below {nyquist:g} Hz (its step is {series.dt_s:g} s)",
-        f"{high_hz:g} Hz",
-    )
     lowest = max(LEAST_PERIODS / series.duration_s, 2.0 * PAD_PERIODS / (MOST_SAMPLES * series.dt_s))
+    below = f"a high corner below {nyquist:g} Hz (its step is {series.dt_s:g} s)"
+    above = f"a low corner of at least {lowest:.4g} Hz (the record lasts {series.duration_s:g} s)"
     agree(
-        low_hz >= lowest,
-        "bandpass_hz",
-        f"a low corner of at least {lowest:.4g} Hz (the record lasts {series.duration_s:g} s)",
-        f"{low_hz:g} Hz",
+        (high_hz < nyquist, "bandpass_hz", below, f"{high_hz:g} Hz"),
+        (low_hz >= lowest, "bandpass_hz", above, f"{low_hz:g} Hz"),
     )
     pad = math.ceil(PAD_PERIODS / low_hz / series.dt_s)
     padded = np.pad(series.accel_m_s2, pad)
@@ -366,20 +356,12 @@ def resample(series: Series, dt_s: float) -> Series:
     ratio = Fraction(series.dt_s / dt_s).limit_denominator(_RATIO_LIMIT)
     if ratio == 1:
         return series
-    agree(
-        abs(float(ratio) * dt_s / series.dt_s - 1.0) <= _DECAY,
-        "resample_dt_s",
-        f"a simple ratio of the record's step of {series.dt_s:g} s",
-        f"{dt_s:g} s",
-    )
+    wanted = f"a simple ratio of the record's step of {series.dt_s:g} s"
+    agree((abs(float(ratio) * dt_s / series.dt_s - 1.0) <= _DECAY, "resample_dt_s", wanted, f"{dt_s:g} s"))
     if ratio > 1:
         count = math.floor((series.accel_m_s2.size - 1) * ratio + 1e-9) + 1
-        agree(
-            count <= MOST_SAMPLES,
-            "resample_dt_s",
-            f"a step that makes at most {MOST_SAMPLES:.0e} samples of {series.duration_s:g} s",
-            f"{dt_s:g} s",
-        )
+        wanted = f"a step that makes at most {MOST_SAMPLES:.0e} samples of {series.duration_s:g} s"
+        agree((count <= MOST_SAMPLES, "resample_dt_s", wanted, f"{dt_s:g} s"))
         t_s = np.arange(count) * dt_s
         accel = np.interp(t_s, series.t_s, series.accel_m_s2)
         how = "whole" if ratio.denominator == 1 else "cut"

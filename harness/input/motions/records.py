@@ -62,12 +62,8 @@ def _shaped(series: Series, source: Source) -> Series:
 
 def _moving(part: Series, whole: Series) -> Series:
     """What is left of a history. Raises `Contradiction` where that is at rest: a factor on it would be one on its rounding."""
-    agree(
-        np.abs(part.accel_m_s2).max() > ROUNDING * np.abs(whole.accel_m_s2).max(),
-        "file",
-        "a record that moves where it is used",
-        "nothing but zeros there",
-    )
+    moves = np.abs(part.accel_m_s2).max() > ROUNDING * np.abs(whole.accel_m_s2).max()
+    agree((moves, "file", "a record that moves where it is used", "nothing but zeros there"))
     return part
 
 

@@ -126,12 +126,14 @@ class Source(UserTable):
         if self.column is not None and self.azimuth_deg is not None:
             wanted = "no azimuth beside column: a channel as recorded, or both horizontals turned"
             raise Contradiction("azimuth_deg", wanted, f"{self.azimuth_deg:g}")
-        if len(self.factors) > 1:
-            raise Contradiction(self.factors[-1], "one factor: scale, pga_g or pgv_m_s", " and ".join(self.factors))
-        agree(self.scale != 0.0, "scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0")
+        *earlier, last = ("", *self.factors)
+        agree(
+            (len(earlier) <= 1, last, "one factor: scale, pga_g or pgv_m_s", " and ".join(self.factors)),
+            (self.scale != 0.0, "scale", 'a factor other than 0 (kind = "rest" is no shaking)', "0"),
+        )
         for key, least, most, wanted in PAIRS:
             first, second = getattr(self, key) or (least, most)
-            agree(least <= first < second <= most, key, wanted, str([first, second]))
+            agree((least <= first < second <= most, key, wanted, str([first, second])))
         return self
 
 
@@ -191,11 +193,13 @@ class Target(UserTable):
         given = {key for key in every if getattr(self, key) is not None}
         ways = ", or ".join(" ".join(sorted(way)) for way in wanted)
         said = " ".join(sorted(given)) or "none"
-        agree(given - optional in wanted, "code", f"beside it and ag_g exactly {ways}", said)
         # Where the site gives the shape there are none of these, in order too.
         corners = [period or 0.0 for period in (self.TB_s, self.TC_s, self.TD_s)]
         shown = ", ".join(f"{period:g}" for period in corners)
-        agree(corners == sorted(corners), "TC_s", "TB_s <= TC_s <= TD_s", shown)
+        agree(
+            (given - optional in wanted, "code", f"beside it and ag_g exactly {ways}", said),
+            (corners == sorted(corners), "TC_s", "TB_s <= TC_s <= TD_s", shown),
+        )
         return self
 
 
@@ -211,19 +215,19 @@ class SpectrumSpec(Target, _Filtered):
     @model_validator(mode="after")
     def _one_origin(self) -> SpectrumSpec:
         if self.record is None:
+            seed = "the seed of an artificial motion, or a record to start from"
             agree(
-                self.seed is not None, "seed", "the seed of an artificial motion, or a record to start from", "neither"
+                (self.seed is not None, "seed", seed, "neither"),
+                (self.method is None, "method", "no method without a record", repr(self.method)),
             )
-            agree(self.method is None, "method", "no method without a record", repr(self.method))
-        elif self.seed is not None or self.duration_s is not None:
-            key = "seed" if self.seed is not None else "duration_s"
-            raise Contradiction(
-                key, "no such key beside a record: it is of artificial motions", str(getattr(self, key))
-            )
-        elif self.record.factors:
-            key = self.record.factors[0]
-            wanted = "no factor: the target gives the strength (sign = -1 mirrors)"
-            raise Contradiction(f"record.{key}", wanted, str(getattr(self.record, key)))
+            return self
+        key = next((key for key in ("seed", "duration_s") if getattr(self, key) is not None), "")
+        factor = next(iter(self.record.factors), "")
+        own, strength = (str(getattr(table, name, None)) for table, name in ((self, key), (self.record, factor)))
+        agree(
+            (not key, key, "no such key beside a record: it is of artificial motions", own),
+            (not factor, f"record.{factor}", "no factor: the target gives the strength (sign = -1 mirrors)", strength),
+        )
         return self
 
 

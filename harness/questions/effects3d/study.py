@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from harness.accuracy.horizon import amplified
-from harness.input.mistakes import Contradiction, UserTable
+from harness.input.mistakes import UserTable, agree
 from harness.input.tables import read_model
 from harness.model import run as record
 from harness.model.errors import require
@@ -424,16 +424,16 @@ class EffectsFile(UserTable):
 
     @model_validator(mode="after")
     def _whole(self) -> EffectsFile:
-        unknown = [name for name in self.conditions if name not in CONDITIONS or name == BASELINE]
-        if unknown:
-            names = ", ".join(name for name in CONDITIONS if name != BASELINE)
-            raise Contradiction("conditions", f"names out of {names}", repr(unknown[0]))
-        if not any(name in SOLID for name in self.engines):
-            raise Contradiction("engines", f"one that computes in 3D ({' or '.join(SOLID)})", ", ".join(self.engines))
-        if len(set(self.engines)) != len(self.engines):
-            raise Contradiction("engines", "each engine once", ", ".join(self.engines))
-        if self.directions % self.every:
-            raise Contradiction("every", f"a divisor of directions = {self.directions}", str(self.every))
+        known, engines = [name for name in CONDITIONS if name != BASELINE], ", ".join(self.engines)
+        unknown = next((name for name in self.conditions if name not in known), None)
+        solid, once = any(name in SOLID for name in self.engines), len(set(self.engines)) == len(self.engines)
+        divides = self.directions % self.every == 0
+        agree(
+            (unknown is None, "conditions", f"names out of {', '.join(known)}", repr(unknown)),
+            (solid, "engines", f"one that computes in 3D ({' or '.join(SOLID)})", engines),
+            (once, "engines", "each engine once", engines),
+            (divides, "every", f"a divisor of directions = {self.directions}", str(self.every)),
+        )
         return self
 
     def azimuths_deg(self, every: int = 1) -> list[float]:

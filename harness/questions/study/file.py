@@ -10,7 +10,7 @@ from typing import Annotated, Final, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from harness.input.mistakes import Contradiction, UserTable
+from harness.input.mistakes import UserTable, agree
 from harness.input.tables import read_model
 
 Value = float | int | str | bool
@@ -22,13 +22,6 @@ COMPARED: Final[Mapping[str, tuple[str, ...]]] = {
     "paper": ("motion.x.frequency_hz", "motion.x.amplitude_g", "contact.restitution"),
 }
 """The keys over whose numbers a set of claims compares runs: without them none can be judged."""
-
-
-def contradict(*rules: tuple[bool, str, str, str]) -> None:
-    """Raise `Contradiction` for the first rule that is broken: whether it is, the key, what was wanted, what came."""
-    for broken, *told in rules:
-        if broken:
-            raise Contradiction(*told)
 
 
 class Vary(UserTable):
@@ -51,11 +44,16 @@ class Vary(UserTable):
         lacking = [item is None for item in (self.start, self.stop, self.count)]
         listed = self.values is not None
         logarithmic, ends = self.spacing == "log", min(self.start or 0.0, self.stop or 0.0)
-        contradict(
-            (listed != all(lacking), "values", "either values, or start, stop and count", "both or neither"),
-            (not listed and any(lacking), "count", "start, stop and count together", "not all three"),
-            (listed and "spacing" in self.model_fields_set, "spacing", "a grid beside it", "values"),
-            (logarithmic and ends <= 0.0, "spacing", "positive start and stop for a logarithmic grid", "no such grid"),
+        agree(
+            (listed == all(lacking), "values", "either values, or start, stop and count", "both or neither"),
+            (listed or not any(lacking), "count", "start, stop and count together", "not all three"),
+            (not listed or "spacing" not in self.model_fields_set, "spacing", "a grid beside it", "values"),
+            (
+                not logarithmic or ends > 0.0,
+                "spacing",
+                "positive start and stop for a logarithmic grid",
+                "no such grid",
+            ),
         )
         return self
 
@@ -83,10 +81,10 @@ class Scatter(UserTable):
         bounds = [each for each in (self.low, self.high) if each is not None]
         low, high = bounds if len(bounds) == 2 else (0.0, 1.0)
         relative, uniform = self.relative is not None, self.distribution == "uniform"
-        contradict(
-            (len(bounds) != (0 if relative else 2), "relative", "either relative, or low and high", "both or neither"),
-            (bool(bounds) and not uniform, "distribution", "'uniform' with low and high", repr(self.distribution)),
-            (low >= high, "low", f"less than high = {high:g}", f"{low:g}"),
+        agree(
+            (len(bounds) == (0 if relative else 2), "relative", "either relative, or low and high", "both or neither"),
+            (not bounds or uniform, "distribution", "'uniform' with low and high", repr(self.distribution)),
+            (low < high, "low", f"less than high = {high:g}", f"{low:g}"),
         )
         return self
 
@@ -115,8 +113,8 @@ class Ask(UserTable):
     @model_validator(mode="after")
     def _used(self) -> Ask:
         for key, asking in (("margin", ("boundary",)), ("audit", ("boundary", "adaptive"))):
-            unused = key in self.model_fields_set and self.cases not in asking
-            contradict((unused, key, f"cases = {' or '.join(asking)} beside it", repr(self.cases)))
+            used = key not in self.model_fields_set or self.cases in asking
+            agree((used, key, f"cases = {' or '.join(asking)} beside it", repr(self.cases)))
         return self
 
 
@@ -169,22 +167,22 @@ class StudyFile(UserTable):
         compared = COMPARED.get(self.claims or "", ())
         absent = next((key for key in compared if key not in keys or key in by_words), "")
         sampled, scattered = self.samples > 1, bool(self.scatter)
-        contradict(
-            (len(set(names)) != len(names), "variant", "variants of different names", ", ".join(names)),
-            (len(set(keys)) != len(keys), "vary", "each key varied once", ", ".join(keys)),
+        agree(
+            (len(set(names)) == len(names), "variant", "variants of different names", ", ".join(names)),
+            (len(set(keys)) == len(keys), "vary", "each key varied once", ", ".join(keys)),
             (
-                sampled != scattered,
+                sampled == scattered,
                 "samples",
                 "more than one sample exactly where something is scattered",
                 str(self.samples),
             ),
             (
-                self.ask.cases == "adaptive" and (len(grids) != 2 or sampled),
+                self.ask.cases != "adaptive" or (len(grids) == 2 and not sampled),
                 "ask.cases",
                 "exactly two grids and no samples for an adaptive map",
                 f"{len(grids)} grids",
             ),
-            (absent != "", "claims", f"{absent} varied over numbers, which these claims compare", "not so here"),
+            (not absent, "claims", f"{absent} varied over numbers, which these claims compare", "not so here"),
         )
         return self
 

@@ -20,7 +20,7 @@ from pydantic import Field, model_validator
 from analytic import Block, Form, Outcome, ensemble
 from analytic.excitation import Excitation
 from harness.comparison.statistics.distributions import wilson
-from harness.input.mistakes import UserTable
+from harness.input.mistakes import UserTable, agree
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.spec import RecordSpec, Source
@@ -29,7 +29,6 @@ from harness.model.errors import read_each
 from harness.model.finding import Answer, Say, info
 from harness.model.history import Array
 from harness.model.run import machine, versions
-from harness.questions.study.file import contradict
 from harness.records.result_folder import write_whole
 from harness.records.study import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
 from harness.runs.execute import OnProgress
@@ -68,7 +67,7 @@ class ValueRange(UserTable):
 
     @model_validator(mode="after")
     def _rises(self) -> ValueRange:
-        contradict((self.stop <= self.start, "stop", f"more than start = {self.start:g}", f"{self.stop:g}"))
+        agree((self.stop > self.start, "stop", f"more than start = {self.start:g}", f"{self.stop:g}"))
         return self
 
     def values(self) -> Array:
@@ -96,10 +95,10 @@ class SpectrumFile(UserTable):
 
     @model_validator(mode="after")
     def _whole(self) -> SpectrumFile:
-        apart, start = (self.draws > 1) != (self.strength_cov > 0.0), self.slenderness.start
-        contradict(
-            (apart, "draws", "draws and strength_cov together", f"{self.draws}, {self.strength_cov:g}"),
-            (start <= 1.0, "slenderness", "blocks higher than wide: start above 1", f"{start:g}"),
+        together, start = (self.draws > 1) == (self.strength_cov > 0.0), self.slenderness.start
+        agree(
+            (together, "draws", "draws and strength_cov together", f"{self.draws}, {self.strength_cov:g}"),
+            (start > 1.0, "slenderness", "blocks higher than wide: start above 1", f"{start:g}"),
         )
         return self
 
