@@ -240,7 +240,8 @@ def _decide(
         if left_s < math.inf:
             return Verdict.DOMAIN, first
         return (_beyond(a, b, end_s) if until_s < end_s else Verdict.AGREE), None
-    if exceeded_s <= min(left_s, until_s):
+    # When a peak that is yet to come parts the two is not known (NaN): where nothing ends what is compared, it is within.
+    if exceeded_s <= (known_s := min(left_s, until_s)) or known_s == math.inf:
         if (a.uncertainty_rad is None) != (b.uncertainty_rad is None):
             return Verdict.UNBOUNDED, None  # the difference may be the error that is not stated
         return (Verdict.PLANE if _not_given(a, b) else Verdict.MODEL), None

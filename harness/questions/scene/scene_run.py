@@ -257,7 +257,9 @@ def _run_engines(
                     on_progress(f"{engine.name}, {engine.awaited()}")
                 runs[engine.name] = future.result()
         except BaseException:
-            runs |= {name: future.result() for name, future in waiting.items() if future.done()}
+            # What failed beside is raised as it is, once the others have been ended.
+            ended = {name: future for name, future in waiting.items() if future.done() and future.exception() is None}
+            runs |= {name: future.result() for name, future in ended.items()}
             _give_up(waiting.values())
             raise
 
@@ -334,7 +336,9 @@ def _horizons(
         if every:
             on_progress(f"{run.engine}, horizon")
         try:
-            horizons[run.engine] = horizon_of(engine, scene, settings_of(engine, scene, run))
+            # What certifies its own error is asked as it chooses its steps itself, whatever step was asked of its run.
+            finest = engine.refinement_levels(scene)[-1] if engine.capabilities.certifies else None
+            horizons[run.engine] = horizon_of(engine, scene, finest or settings_of(engine, scene, run))
         except EngineFailure as error:
             on_progress(f"{run.engine} has no horizon: {error}")
     return horizons

@@ -251,6 +251,16 @@ def test_without_histories_the_larger_peak_s_time_tells_when_they_parted(peak_s:
     assert compare(b, a).verdict is verdict
 
 
+def test_a_peak_yet_to_come_is_no_domain_left() -> None:
+    """A fall that was ended early has no time of its peak: the side named first was said to leave its domain, at no time."""
+    kept = {"numerical_uncertainty_rad": U_RAD, "slip_uncertainty_m": U_M}
+    fell = doubles.run_of(None, "a", outcome=Outcome.OVERTURNED_RIGHT, peak_theta_rad=1.5, peak_time_s=None, **kept)
+    scores = compare(fell, doubles.run_of(None, "b", peak_theta_rad=0.1, peak_time_s=2.0, **kept))
+    assert scores.verdict is Verdict.MODEL
+    assert scores.evidence.left_domain_s is None
+    assert scores.evidence.left_domain == ""
+
+
 def test_shares_of_all_verdicts_sum_to_one() -> None:
     found = shares([Verdict.AGREE, Verdict.AGREE, Verdict.MODEL, Verdict.HORIZON])
     assert found == {
