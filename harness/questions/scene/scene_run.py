@@ -336,9 +336,7 @@ def _horizons(
         if every:
             on_progress(f"{run.engine}, horizon")
         try:
-            # What certifies its own error is asked as it chooses its steps itself, whatever step was asked of its run.
-            finest = engine.refinement_levels(scene)[-1] if engine.capabilities.certifies else None
-            horizons[run.engine] = horizon_of(engine, scene, finest or settings_of(engine, scene, run))
+            horizons[run.engine] = horizon_of(engine, scene, settings_of(engine, scene, run))
         except EngineFailure as error:
             on_progress(f"{run.engine} has no horizon: {error}")
     return horizons

@@ -250,12 +250,3 @@ def test_a_failure_beside_ends_what_else_runs_beside(monkeypatch: pytest.MonkeyP
     with pytest.raises(RuntimeError, match="no process"):
         run_scene(paestum(0.3, 2.0, pedestal=False), ["analytic", "pybullet", "spatial"], apart=True)
     assert ended.is_set()
-
-
-def test_the_model_s_horizon_is_found_by_its_own_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At a step that was asked of its run it is the same, and took two hundred times as long at 10 µs."""
-    asked: list[Settings] = []
-    found = run.horizon_of
-    monkeypatch.setattr(run, "horizon_of", lambda *given: asked.append(given[2]) or found(*given))
-    run_scene(paestum(0.3, 2.0, duration_s=0.5), ["analytic", "pymunk"], dt_s=1e-3, horizon=True)
-    assert [each.dt_s for each in asked] == [0.0, 1e-3]
