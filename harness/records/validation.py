@@ -168,7 +168,7 @@ class SetScores:
 
 @dataclass(frozen=True, kw_only=True)
 class FragilityCurve:
-    """A lognormal fragility curve (`harness.comparison.statistics.fragility`) with its band at intensities (None: not known)."""
+    """A lognormal fragility curve (`comparison.statistics.fit_fragility`) with its band at intensities (None: not known)."""
 
     cases: int
     fell: int

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics import FELL
 from harness.model.history import History, pair
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.assess import FragilityRecord

@@ -5,8 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.comparison.statistics.distributions import wilson
-from harness.comparison.statistics.fragility import fit
+from harness.comparison.statistics import fit_fragility, wilson
 from harness.model.finding import Finding, info
 from harness.model.run_set import grouped
 from harness.records.run import STILL_RAD, falls
@@ -241,7 +240,7 @@ def _fitted(model: str, levels: Mapping[float, Sequence[bool]]) -> list[Json]:
     """The fitted curve of one model with its band; none where nothing can be fitted."""
     shaken = {x: fell for x, fell in levels.items() if x > 0.0}
     intensity = [x for x, fell in shaken.items() for _ in fell]
-    curve_fit = fit(intensity, [fell for runs in shaken.values() for fell in runs])
+    curve_fit = fit_fragility(intensity, [fell for runs in shaken.values() for fell in runs])
     if curve_fit.median is None:
         return []
     xs = np.linspace(min(intensity), max(intensity), 120)

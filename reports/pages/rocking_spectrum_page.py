@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.questions.assess.probability import LEVEL
 from harness.records.study import RockingSpectrumRecord
 from reports.blocks import Block, Chart, Verdict, command_line, facts, grid, repeat, section, table, words

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Final
 
-from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics import FELL
 from harness.model.finding import info
 from harness.records.scores import Scores
 from harness.records.scores import Verdict as Verdicts

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from harness import RunRequest, Scene
-from harness.comparison.statistics.outcomes import FELL, brier, reliability
+from harness.comparison.statistics import FELL, brier, reliability
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
 from harness.questions.assess.probability import overturns
 from harness.records.validation import ReliabilityBin

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from harness import RunRequest, Scene, assess
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
 from harness.questions.assess.probability import LEVEL, overturns
 from harness.questions.scene.scene_run import run_scene, write_result

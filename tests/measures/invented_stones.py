@@ -21,7 +21,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from harness import RunOptions, simulate
-from harness.comparison.statistics.outcomes import reliability
+from harness.comparison.statistics import reliability
 from harness.questions.validate import fit
 from harness.questions.validate.scenes import TrialVariant, scene_of
 from harness.questions.validate.table import Inputs, Trial, read_table

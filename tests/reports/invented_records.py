@@ -8,8 +8,7 @@ import numpy as np
 
 from harness import Outcome, assess, compare, compare_files, load_scene
 from harness.comparison.history_files import write_comparison as write_comparison_of
-from harness.comparison.statistics import fragility
-from harness.comparison.statistics.outcomes import FELL, Prediction, score_outcomes
+from harness.comparison.statistics import FELL, Prediction, fit_fragility, score_outcomes
 from harness.model import run as record
 from harness.model.finding import Answer, info
 from harness.questions.study.cases import BaseScene
@@ -54,7 +53,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
     pga = 0.6 * pgv * np.exp(0.3 * stream.standard_normal(60))
     fell = pgv * np.exp(0.25 * stream.standard_normal(60)) > 0.4
     grid = np.geomspace(pgv.min(), pgv.max(), 30)
-    observed = fragility.fit(pgv, fell).curve(grid)
+    observed = fit_fragility(pgv, fell).curve(grid)
     rows: list[dict[str, Any]] = []
     for k in range(60):
         row = {"test": f"t{k}", "body": f"stone {k % 3}", "share": "score", "observed": FELL if fell[k] else "stands"}
@@ -69,7 +68,7 @@ def write_validation(folder: Path, *, skill: float = 0.97) -> Path:
         for row, outcome in zip(rows, said, strict=True):
             row["predicted"][name] = outcome.value
             row["probability"][name] = float(outcome.overturned)
-        curve = fragility.fit(pgv, [o.overturned for o in said]).curve(grid)
+        curve = fit_fragility(pgv, [o.overturned for o in said]).curve(grid)
         models[name] = _model(name, said, fell, curve, measured)
     bare = [
         Prediction(Outcome.OVERTURNED_LEFT if v > 0.4 else Outcome.STANDS, FELL if f else Outcome.STANDS)

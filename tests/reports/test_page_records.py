@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 
 from harness import Outcome, read_result
-from harness.comparison.statistics.distributions import wilson
-from harness.comparison.statistics.outcomes import score_outcomes
+from harness.comparison.statistics import score_outcomes, wilson
 from harness.model.finding import Answer, caution, info
 from harness.model.run import write_json
 from harness.questions.study.ensembles import score_sets

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.comparison.statistics import distributions
+from harness.comparison.statistics import area_metric, compare_distributions, ks_distance
 from harness.model.history import Array, History, Pair
 from harness.records.scores import AfterHorizon, Apart, PeaksApart
 
@@ -47,7 +47,7 @@ def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s
         largest_b_rad=largest[1],
         last_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]),
         last_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]),
-        rotation=Apart(distributions.area_metric(*rotation), distributions.ks_distance(*rotation)),
+        rotation=Apart(area_metric(*rotation), ks_distance(*rotation)),
         excursions_a=peaks[0].size,
         excursions_b=peaks[1].size,
         peaks=_peaks(*peaks),
@@ -56,7 +56,7 @@ def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s
 
 def _peaks(a: Array, b: Array) -> PeaksApart | None:
     if min(a.size, b.size) >= LEAST_VALUES:
-        scores = distributions.compare_distributions(a, b, resamples=RESAMPLES)
+        scores = compare_distributions(a, b, resamples=RESAMPLES)
         return PeaksApart(
             area_rad=scores.area.value,
             area_interval_rad=scores.area,
@@ -66,7 +66,7 @@ def _peaks(a: Array, b: Array) -> PeaksApart | None:
         )
     if min(a.size, b.size) == 0:
         return None
-    return PeaksApart(area_rad=distributions.area_metric(a, b), ks=distributions.ks_distance(a, b))
+    return PeaksApart(area_rad=area_metric(a, b), ks=ks_distance(a, b))
 
 
 Signs = NDArray[np.int8]

@@ -18,7 +18,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.refinement import first_level
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.engines.base import Engine, EngineFailure
 from harness.model.history import Outcome
 from harness.model.run import Run, RunOptions

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.model.scene import Scene, Uncertain
 from harness.questions.assess.model_draws import (
     SPACE,

@@ -6,8 +6,13 @@ from typing import Final
 
 from harness.comparison.comparator import judge, shares, side_of
 from harness.comparison.scores.events import LEAST_VALUES
-from harness.comparison.statistics.distributions import RESAMPLES, compare_distributions, compare_logarithms
-from harness.comparison.statistics.outcomes import Prediction, score_outcomes
+from harness.comparison.statistics import (
+    RESAMPLES,
+    Prediction,
+    compare_distributions,
+    compare_logarithms,
+    score_outcomes,
+)
 from harness.model.history import History, Outcome, pair
 from harness.questions.study.case_blocks import KeyedRow
 from harness.records.run import in_domain

@@ -19,7 +19,7 @@ from pydantic import Field, model_validator
 
 from analytic import Block, Form, Outcome, ensemble
 from analytic.excitation import Excitation
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.input.mistakes import UserTable, agree
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2

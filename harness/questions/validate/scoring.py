@@ -11,16 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from harness.comparison.comparator import COVERAGE
-from harness.comparison.statistics import fragility
-from harness.comparison.statistics.distributions import wilson
-from harness.comparison.statistics.outcomes import (
+from harness.comparison.statistics import (
     FELL,
     Prediction,
     area_under_curve,
     brier,
     brier_skill,
+    fit_fragility,
+    probit,
     reliability,
     score_outcomes,
+    wilson,
 )
 from harness.model.history import Array, Outcome
 from harness.model.run_set import grouped
@@ -277,7 +278,7 @@ def curves(
         return Curves(None, None)
     each, fallen = [intensities[trial.name] for trial in known], list(known.values())
     pgv = np.array([one.pgv_m_s for one in each])
-    curve = fragility.fit(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS))
+    curve = fit_fragility(pgv, fallen).curve(np.geomspace(pgv.min(), pgv.max(), CURVE_POINTS))
     return Curves(curve, contour(each, fallen))
 
 
@@ -374,7 +375,7 @@ def best_threshold(intensity: ArrayLike, fell: ArrayLike) -> float:
 
 
 def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
-    """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`statistics.fragility`).
+    """P(overturned) at the `asked` intensities by the lognormal curve fitted to the cases (`statistics.fit_fragility`).
 
     Where no rising curve fits (one outcome only, or no order in the intensity) it is the share of the cases that fell, after
     Laplace (fell + 1)/(cases + 2); a motion of no intensity overturns nothing.
@@ -383,7 +384,7 @@ def chances(intensity: ArrayLike, fell: ArrayLike, asked: ArrayLike) -> Array:
     shaken = x > 0.0
     p = np.full(at.shape, (y.sum() + 1.0) / (y.size + 2.0))
     if shaken.any():
-        curve = fragility.fit(x[shaken], y[shaken])
+        curve = fit_fragility(x[shaken], y[shaken])
         if curve.median is not None:
             p[at > 0.0] = curve.probability(at[at > 0.0])
     p[at <= 0.0] = 0.0
@@ -405,7 +406,7 @@ def contour(intensities: Sequence[Intensity], fell: Sequence[bool]) -> ContourRe
     logs = np.log(np.column_stack(([each.pga_g for each in intensities], ratios)))
     middle = logs.mean(axis=0)
     design = np.column_stack((np.ones(y.size), logs - middle))
-    beta, _ = fragility.probit(design, y, RIDGE)
+    beta, _ = probit(design, y, RIDGE)
     c1, c2 = float(beta[1]), float(beta[2])
     if c1 <= 0.0:
         return None

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
-from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics import FELL
 from harness.input import paths
 from harness.input.text_file import decoded, numbers, read_bytes
 from harness.model.errors import InputError, Mistake, nearest, refuse, require

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.comparison.statistics.outcomes import Prediction, brier, brier_skill, f1, matthews, score_outcomes
+from harness.comparison.statistics import Prediction, brier, brier_skill, f1, matthews, score_outcomes
 from harness.model.history import Outcome
 from tests.budgets_compare import ROUNDING_REL
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.comparison.statistics.outcomes import area_under_curve, reliability
+from harness.comparison.statistics import area_under_curve, reliability
 from tests.budgets_compare import COUNTED
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from analytic import Harmonic, Pulse
 from harness import InputError, Outcome, RunOptions, engines, load_scene
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess.answer import answer_of, findings_of, probability
 from harness.questions.assess.assessment import assess, difference

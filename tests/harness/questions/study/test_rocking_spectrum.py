@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from analytic import Block, Form, simulate
 from harness import InputError, read_result
-from harness.comparison.statistics.distributions import wilson
+from harness.comparison.statistics import wilson
 from harness.input.tables import read_model
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of, run_file
 from harness.records.study import RockingSpectrumRecord

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics import FELL
 from harness.questions.validate.table import read_table
 from reports.pages.page import write_report
 from tests.harness.questions.validate.experiments import seen, validate, write_table

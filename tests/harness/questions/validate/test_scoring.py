@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics import FELL
 from harness.model.history import Outcome
 from harness.questions.validate import scoring
 from harness.questions.validate.fit import (

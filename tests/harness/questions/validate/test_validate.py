@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from harness import InputError, simulate
-from harness.comparison.statistics.outcomes import FELL
+from harness.comparison.statistics import FELL
 from harness.questions.validate import validation_run as run
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.scenes import intensity_of, scene_of
