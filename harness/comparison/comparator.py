@@ -14,7 +14,7 @@ from harness.comparison.scores import events, pointwise
 from harness.comparison.scores.events import Excursions, Inertia, after_horizon, event_scores
 from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
 from harness.comparison.scores.pointwise import rate as rate_by_iso
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import require, translated
 from harness.model.finding import Finding, caution, changes_answer, info
 from harness.model.history import History, Outcome, Pair, first_beyond_s, pair
 from harness.model.run import Run, number
@@ -416,11 +416,8 @@ def compare(
     if history_a is None or history_b is None:
         none = events.NO_EXCURSIONS
         return _scores(sides, None, (sides[0].peak, sides[1].peak), (none, none), None, until)
-    try:
+    with translated(ValueError, f"{names[0]} and {names[1]}", "a common stretch of time", key="t_s"):
         both = pair(history_a, history_b, hold_a=sides[0].rests, hold_b=sides[1].rests)
-    except ValueError as error:
-        where = f"{names[0]} and {names[1]}"
-        raise InputError(Mistake(where, "t_s", "a common stretch of time", str(error))) from error
     within = both.until(until)
     peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
     excursions = events.excursions(history_a), events.excursions(history_b)

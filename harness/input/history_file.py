@@ -13,7 +13,7 @@ import numpy as np
 
 from harness.input.mistakes import MOST_MISTAKES, unsaid
 from harness.input.text_file import decoded, is_decimal, numbers, read_bytes
-from harness.model.errors import InputError, Mistake, refuse, require
+from harness.model.errors import InputError, Mistake, refuse, require, translated
 from harness.model.history import COLUMNS, Array, History, hermites
 
 REQUIRED: Final = ("t_s", "theta_rad")
@@ -124,10 +124,8 @@ def _table(path: Path, text: str) -> _Table:
     require(len(numbered) >= 2, str(path), "a header line and at least one row of numbers", f"{len(numbered)} lines")
     header = numbered[0][1]
     separator = max(SEPARATORS, key=header.count)
-    try:
+    with translated(csv.Error, str(path), "a readable CSV file"):
         cells = list(csv.reader(io.StringIO("\n".join(line for _, line in numbered)), delimiter=separator))
-    except csv.Error as error:
-        raise InputError(Mistake(str(path), "", "a readable CSV file", str(error))) from error
     require(len(cells) == len(numbered), str(path), "one row in each line", "a quoted cell over several lines")
     if not cells[0][-1].strip() and all(not row[-1].strip() for row in cells[1:]):
         # Every line ends with the separator.

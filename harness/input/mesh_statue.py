@@ -269,10 +269,9 @@ def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, found: list[F
     if table.mass_kg is not None and mesh.density_kg_m3 is not None and mesh.inner is None:
         found.append(_surveyed("mesh.density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3, "weighed_mass"))
     given = {key: value for key in SURVEYED if (value := getattr(table, key)) is not None}
-    missing = [key for key in mesh.use_survey if key not in given]
-    if missing:
-        wanted = f"statue.{missing[0]}, which is to be used"
-        raise InputError(Mistake("scene", "statue.mesh.use_survey", wanted, "no such number"))
+    missing = next((key for key in mesh.use_survey if key not in given), None)
+    wanted = f"statue.{missing}, which is to be used"
+    require(missing is None, "scene", wanted, "no such number", key="statue.mesh.use_survey")
     for key, value in given.items():
         used = "survey" if key in mesh.use_survey else "mesh"
         found.append(_surveyed(key, value, float(getattr(solid, SURVEYED[key])), used))

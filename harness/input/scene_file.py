@@ -21,7 +21,7 @@ from harness.input.mesh_statue import statue_from_mesh
 from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import InitialTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
-from harness.model.errors import InputError, Mistake, refuse, require
+from harness.model.errors import InputError, Mistake, refuse, require, translated
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array
 from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
@@ -189,10 +189,9 @@ def resolve(
         uncertainty=uncertain_inputs(model, model.uncertainty),
         _reader=changed,
     )
-    try:
+    # Of a scan the base is known only now.
+    with translated(AnalyticInputError, str(path), "a body that rocks on its base", key="statue"):
         check_wall(scene, path)
-    except AnalyticInputError as error:  # of a scan, whose base is known only now
-        raise InputError(Mistake(str(path), "statue", "a body that rocks on its base", str(error))) from error
     return replace(scene, findings=(*scene.findings, *_odd_numbers(scene), *_beyond_base(scene)))
 
 

@@ -16,7 +16,7 @@ from harness.input.mistakes import UserTable, agree, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
-from harness.model.errors import InputError, Mistake, refuse, require
+from harness.model.errors import InputError, Mistake, refuse, require, translated
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]
@@ -257,10 +257,8 @@ def checked(
 
 def toml_table(text: str, where: str) -> dict[str, JsonValue]:
     """The plain content of a TOML text. Raises `InputError` where it is none."""
-    try:
+    with translated(tomllib.TOMLDecodeError, where, "valid TOML"):
         return content_of(text, where)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Mistake(where, "", "valid TOML", str(error))) from error
 
 
 def read_model(kind: type[M], path: Path) -> M:

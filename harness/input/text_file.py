@@ -14,7 +14,7 @@ from typing import IO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import InputError, Mistake, require, translated
 
 MOST_BYTES: Final = 64 * 2**20
 """Largest text read, unpacked: three components of 20 minutes at 200 Hz with velocities and displacements take 17 MB."""
@@ -141,11 +141,9 @@ def decoded(raw: bytes, where: str, what: str, *, latin: bool = False) -> str:
     """Text of UTF-8, of UTF-16 by its mark, where `latin` else of Latin-1; InputError for all else, an empty file too."""
     require(raw.strip(), where, what, "an empty file")
     if raw.startswith(UTF16_MARKS):
-        try:
+        got = "UTF-16 that is cut off or damaged"
+        with translated(UnicodeDecodeError, where, "a text file", got, "save it as UTF-8"):
             return raw.decode("utf-16")
-        except UnicodeDecodeError as error:
-            got = "UTF-16 that is cut off or damaged"
-            raise InputError(Mistake(where, "", "a text file", got, "save it as UTF-8")) from error
     for mark, name in PACKED.items():
         require(not raw.startswith(mark), where, "a text file", name, "unpack it first")
     if b"\x00" in raw:

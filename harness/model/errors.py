@@ -2,7 +2,8 @@
 
 import json
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
@@ -106,6 +107,23 @@ def required(value: T | None, where: str, wanted: str, got: str, advice: str = "
     if value is None:
         raise InputError(Mistake(where, key, wanted, got, advice))
     return value
+
+
+@contextmanager
+def translated(
+    kinds: type[Exception] | tuple[type[Exception], ...],
+    where: str,
+    wanted: str,
+    got: str = "",
+    advice: str = "",
+    *,
+    key: str = "",
+) -> Iterator[None]:
+    """Raise errors of these kinds as `InputError` of one mistake; what came is `got`, or what the error says."""
+    try:
+        yield
+    except kinds as error:
+        raise InputError(Mistake(where, key, wanted, got or str(error), advice)) from error
 
 
 def check_known(name: str, known: Collection[str], option: str) -> None:

@@ -14,7 +14,7 @@ from html import escape
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import translated
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -158,9 +158,6 @@ def new_axes(ax: Axes | None) -> Axes:
 
 def library(name: str, asked: str, extra: str = "frames") -> Any:
     """A module of an extra. Raises `InputError` where it is not installed."""
-    try:
+    wanted = f"{name}, of the extra [{extra}]: pip install 'rockcheck[{extra}]'"
+    with translated(ImportError, f"{asked}()", wanted, "none here"):
         return import_module(name)
-    except ImportError as error:
-        raise InputError(
-            Mistake(f"{asked}()", "", f"{name}, of the extra [{extra}]: pip install 'rockcheck[{extra}]'", "none here")
-        ) from error

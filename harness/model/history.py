@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import require, translated
 from harness.model.finding import Axes, Shown, new_axes
 
 Array = NDArray[np.float64]
@@ -180,10 +180,8 @@ def _frozen(values: ArrayLike) -> Array:
 
 def numbers(values: ArrayLike, caller: str, name: str) -> Array:
     """The values as an array. Raises `InputError` for what holds others than numbers."""
-    try:
+    with translated((TypeError, ValueError), caller, "an array of numbers", key=name):
         return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(Mistake(caller, name, "an array of numbers", str(error))) from error
 
 
 def history_file(engine: str) -> str:
@@ -277,10 +275,8 @@ class History(Shown):
             else numbers(own, "from_arrays", name)
             for name, (own, of) in given.items()
         }
-        try:
+        with translated(ValueError, "from_arrays", "finite numbers, one for each time"):
             return cls(times, theta, rates["theta_rate_rad_s"], slip, rates["slip_rate_m_s"])
-        except ValueError as error:
-            raise InputError(Mistake("from_arrays", "", "finite numbers, one for each time", str(error))) from error
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A read-only view of a mapping cannot be pickled; workers send histories home.

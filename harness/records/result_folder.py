@@ -14,7 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final, TypeVar
 
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import InputError, Mistake, require, translated
 from harness.model.files import FRESH, NO_ROOM, checksum, is_own, is_sealed
 from harness.model.run import SCHEMA_VERSION, write_json
 from harness.records.base import REWRITE, Plain, Record, as_file, validated
@@ -245,15 +245,13 @@ def read_result(folder: Path | str) -> Record:
     path = Path(folder) / RECORD
     advice = "run `rockcheck run SCENE --out DIR` first"
     require(path.is_file(), str(folder), f"a result folder with {RECORD}", "none there", advice)
-    try:
+    with translated((OSError, ValueError, RecursionError), str(path), "a readable JSON record"):
         text = path.read_bytes()
         record = json.loads(text.decode("utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(Mistake(str(path), "", "a readable JSON record", str(error))) from error
-    if not isinstance(record, dict) or record.get("schema_version") != SCHEMA_VERSION:
-        got = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
-        raise InputError(Mistake(str(path), "schema_version", str(SCHEMA_VERSION), repr(got), REWRITE))
+    version = record.get("schema_version") if isinstance(record, dict) else type(record).__name__
+    current = isinstance(record, dict) and version == SCHEMA_VERSION
+    require(current, str(path), str(SCHEMA_VERSION), repr(version), REWRITE, key="schema_version")
     kind = record.get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
-        raise InputError(Mistake(str(path), "kind", f"one of {', '.join(KINDS)}", repr(kind)))
+    known = isinstance(kind, str) and kind in KINDS
+    require(known, str(path), f"one of {', '.join(KINDS)}", repr(kind), key="kind")
     return validated(class_of(kind), text, path)

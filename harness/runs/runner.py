@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import Any, Final
 from weakref import WeakSet
 
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import InputError, Mistake, require, translated
 
 GRACE_S: Final = 5.0
 """Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""
@@ -281,10 +281,8 @@ class DaskPool:
     """Workers of the cluster at `address`, each task with `limit_s`. Raises `InputError` when it cannot be reached."""
 
     def __init__(self, address: str, limit_s: float = LIMIT_S) -> None:
-        try:
+        with translated(ImportError, "--dask", "the extra [dask]", "no distributed here"):
             from distributed import Client
-        except ImportError as error:
-            raise InputError(Mistake("--dask", "", "the extra [dask]", "no distributed here")) from error
         try:
             self._client = Client(address, timeout=REACH_S)
         except (OSError, ValueError, TimeoutError) as error:

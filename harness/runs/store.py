@@ -9,7 +9,7 @@ import sqlite3
 import sys
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import InputError, Mistake, require, translated
 from harness.model.files import NO_ROOM, writing
 from harness.model.history import COLUMNS, Array, History
 from harness.model.run import Run, to_plain
@@ -366,15 +366,10 @@ class Store:
             self._db.execute("BEGIN IMMEDIATE")
             yield
 
-    @contextmanager
-    def _decoded(self) -> Iterator[None]:
+    def _decoded(self) -> AbstractContextManager[None]:
         """A result whose bytes SQLite gave back but that no longer says anything: a damaged page it did not notice."""
-        try:
-            yield
-        except (zlib.error, ValueError, KeyError, TypeError, AttributeError) as error:  # None where text was, too
-            raise InputError(
-                Mistake(str(self.path), "", "a store whose results can be read", str(error), RECOVER)
-            ) from error
+        kinds = zlib.error, ValueError, KeyError, TypeError, AttributeError  # None where text was, too
+        return translated(kinds, str(self.path), "a store whose results can be read", advice=RECOVER)
 
     @contextmanager
     def _naming_damage(self, done: str) -> Iterator[None]:

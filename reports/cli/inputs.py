@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.model.errors import InputError, Mistake, printable, require
+from harness.model.errors import InputError, printable, require, required
 from harness.model.finding import texted, weighed
 from reports.cli.app import app, command
 from reports.cli.options import OutputOptions, ScanOptions, SupportOptions, TextLayout, folder_of
@@ -176,7 +176,6 @@ def _inspected(file: Path, unit: str | None, axis: str, text: TextLayout) -> Mot
         return inspect_file(file, unit=unit, layout=text.layout())
     model, _ = parse(read(file), str(file))
     component = SceneMotion.of(model, axis, file) if axis in ("x", "y", "z") else None
-    if component is None:
-        given = [name for name in ("x", "y", "z") if getattr(model.motion, name) is not None]
-        raise InputError(Mistake("--axis", "", f"a component of the scene ({', '.join(given) or 'it has none'})", axis))
-    return inspect_component(component)
+    given = [name for name in ("x", "y", "z") if getattr(model.motion, name) is not None]
+    wanted = f"a component of the scene ({', '.join(given) or 'it has none'})"
+    return inspect_component(required(component, "--axis", wanted, axis))

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from harness.model.errors import InputError, Mistake, check_known, require
+from harness.model.errors import InputError, Mistake, check_known, require, required
 from harness.model.files import check_own, writing
 from harness.records.base import Record
 from harness.records.effects3d import EffectsRecord
@@ -43,10 +43,8 @@ _PAGE_LINK: Final = re.compile(r' href="(?:report|conservator)\.html"')
 def browser() -> str:
     """The path of the browser that prints. Raises `InputError` where there is none."""
     path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if path is None:
-        wanted = "Chromium on this machine, which prints the page"
-        raise InputError(Mistake("--pdf", "", wanted, "none found", "on Debian: apt-get install chromium"))
-    return path
+    wanted = "Chromium on this machine, which prints the page"
+    return required(path, "--pdf", wanted, "none found", "on Debian: apt-get install chromium")
 
 
 def write_pdf(page: Path) -> Path:
@@ -69,9 +67,8 @@ def write_pdf(page: Path) -> Path:
             done = subprocess.run(call, capture_output=True, text=True, timeout=LIMIT_S, check=False)
         except subprocess.TimeoutExpired as error:
             raise InputError(Mistake("--pdf", "", f"a PDF within {LIMIT_S:g} s", f"none from {program}")) from error
-        if not printed.is_file():
-            said = done.stderr.strip().splitlines()[-1:] or ["nothing"]
-            raise InputError(Mistake("--pdf", "", "a PDF", f"none: {program} ended with {done.returncode}, {said[0]}"))
+        *_, said = ["nothing", *done.stderr.strip().splitlines()]
+        require(printed.is_file(), "--pdf", "a PDF", f"none: {program} ended with {done.returncode}, {said}")
         fresh.write_bytes(printed.read_bytes())
     return target
 

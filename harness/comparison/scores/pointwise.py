@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.errors import InputError, Mistake, require
+from harness.model.errors import require, translated
 from harness.model.finding import Finding, caution, info
 from harness.model.history import Array, History, Pair, first_beyond_s
 from harness.model.run import Run
@@ -110,11 +110,9 @@ def rate(pair: Pair, samples: int = SAMPLES) -> IsoRating:
     the window, and that step is stated. Raises `InputError` when the extra is not installed, the window is too short, or a
     history does not move (the rating divides by its norm).
     """
-    try:
+    advice = 'install it: pip install "rockcheck[iso]"'
+    with translated(ImportError, "--iso", "the extra `iso`", "no objective_rating_metrics", advice):
         from objective_rating_metrics.rating import ISO18571
-    except ImportError as error:
-        advice = 'install it: pip install "rockcheck[iso]"'
-        raise InputError(Mistake("--iso", "", "the extra `iso`", "no objective_rating_metrics", advice)) from error
     require(pair.t_s.size >= 10, "--iso", "at least 10 common samples", f"{pair.t_s.size}")
     require(
         np.ptp(pair.theta_a_rad) > 0.0 and np.ptp(pair.theta_b_rad) > 0.0,

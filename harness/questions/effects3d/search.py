@@ -17,7 +17,7 @@ from harness.accuracy.simulation import simulate
 from harness.engines.spatial import LEVELS, problem_of
 from harness.input.mesh_statue import statue_of
 from harness.input.mistakes import UserTable
-from harness.model.errors import InputError, Mistake, required
+from harness.model.errors import required, translated
 from harness.model.history import History, Outcome
 from harness.model.run import Run, RunOptions
 from harness.model.scene import Scene
@@ -117,10 +117,8 @@ CONDITIONS: Final[Mapping[str, EffectCondition]] = {
 
 def changed_scene(scene: Scene, condition: str, azimuth_deg: float) -> Scene:
     """The scene under one of `CONDITIONS` with the statue turned. Raises `InputError` where the changed statue does not stand."""
-    try:
+    with translated(MeshError, str(scene.source or "scene"), "a statue that stands", key="statue"):
         return turned(CONDITIONS[condition].change(scene), azimuth_deg)
-    except MeshError as error:
-        raise InputError(Mistake(str(scene.source or "scene"), "statue", "a statue that stands", str(error))) from error
 
 
 def without_meaning(scene: Scene) -> dict[str, str]:

@@ -13,7 +13,7 @@ import numpy as np
 from harness.comparison.scores.events import excursions, lost_j
 from harness.input.tables import ContactTable
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import translated
 from harness.model.files import writing
 from harness.model.finding import Answer, Finding, caution, info
 from harness.model.history import History, Outcome
@@ -168,11 +168,9 @@ def cell(value: Any) -> Any:
 
 def export_parquet(store: Store, study: str, path: Path, sums: Collection[str] = ()) -> None:
     """Write a study's rows as Parquet, read twice and never held; needs the extra [parquet]."""
-    try:
+    with translated(ImportError, "--export", "a CSV file, or the extra [parquet]", "no pyarrow here"):
         import pyarrow
         from pyarrow import parquet
-    except ImportError as error:
-        raise InputError(Mistake("--export", "", "a CSV file, or the extra [parquet]", "no pyarrow here")) from error
 
     def groups() -> Iterator[list[dict[str, Any]]]:
         lines = map(flat, every_row(store, study))

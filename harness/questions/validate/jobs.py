@@ -11,7 +11,7 @@ from pydantic import JsonValue
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake
+from harness.model.errors import require
 from harness.model.history import Outcome
 from harness.model.run import RunOptions
 from harness.model.run_set import grouped
@@ -50,9 +50,8 @@ def parse_model(text: str) -> Model:
         number = float(value)
     except ValueError:
         number = float("nan")
-    if name not in ("accuracy", "dt") or number != number:
-        wanted = "ENGINE, ENGINE@accuracy=RAD, ENGINE@dt=S or ENGINE@near=MODEL"
-        raise InputError(Mistake("--engine", "", wanted, repr(text)))
+    wanted = "ENGINE, ENGINE@accuracy=RAD, ENGINE@dt=S or ENGINE@near=MODEL"
+    require(name in ("accuracy", "dt") and number == number, "--engine", wanted, repr(text))
     accuracy, step = (number, None) if name == "accuracy" else (None, number)
     check_target(accuracy, step)
     return Model(text, engine, accuracy, step)

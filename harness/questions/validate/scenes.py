@@ -20,7 +20,7 @@ from harness.input.mesh_statue import statue_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import InputError, Mistake, require, required
+from harness.model.errors import InputError, Mistake, require, required, translated
 from harness.model.history import Array
 from harness.model.run import Capabilities
 from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
@@ -304,11 +304,8 @@ def _turned(trial: Trial, inputs: Inputs, edge_m: float = 0.0) -> Statue:
 
 @lru_cache(maxsize=1024)
 def _statue(solid: meshes.Solid, file: str, azimuth_deg: float, inset_m: float, edge_m: float) -> Statue:
-    try:
+    with translated(meshes.MeshError, file, "a body that can stand", key=f"azimuth {azimuth_deg:g}"):
         return statue_of(_pared(solid.rotated(azimuth_deg) if azimuth_deg else solid, inset_m, edge_m))
-    except meshes.MeshError as error:
-        place = f"azimuth {azimuth_deg:g}"
-        raise InputError(Mistake(file, place, "a body that can stand", str(error))) from error
 
 
 def _pared(solid: meshes.Solid, inset_m: float, edge_m: float) -> meshes.Solid:
@@ -338,10 +335,8 @@ def _solid(
     path: Path, unit: str, up: str, density_kg_m3: float | None, mass_kg: float | None, tolerance_m: float | None
 ) -> meshes.Solid:
     touching = {} if tolerance_m is None else {"contact_tolerance_m": tolerance_m}
-    try:
+    with translated(meshes.MeshError, str(path), "a mesh that can be computed"):
         return meshes.load_solid(path, unit=unit, up=up, density_kg_m3=density_kg_m3, mass_kg=mass_kg, **touching)
-    except meshes.MeshError as error:
-        raise InputError(Mistake(str(path), "", "a mesh that can be computed", str(error))) from error
 
 
 def intensity_of(trial: Trial) -> Intensity:

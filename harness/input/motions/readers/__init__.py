@@ -39,7 +39,7 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 from harness.input.text_file import read_bytes
-from harness.model.errors import InputError
+from harness.model.errors import InputError, require
 from harness.model.finding import Finding, caution, info, weighed
 
 
@@ -72,8 +72,7 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
     """The channels of one file; `unit` and `layout` where the file does not tell them. InputError names the line at fault."""
     where = str(path)
     named = None if unit is None else unit_named(unit)
-    if unit is not None and named is None:
-        raise mistake(where, "unit", UNIT_NAMES, unit)
+    require(unit is None or named is not None, where, UNIT_NAMES, str(unit), key="unit")
     raw = read_bytes(path, "an accelerogram")
     if seed.is_binary(raw):
         return seed.read(raw, where, unit=named)
@@ -83,9 +82,8 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         _check_end(text, where)
         return described
     if record := _of_a_network(text, where):
-        if named is not None and named != record.unit:
-            wanted = f"the unit of a {record.format} file, {record.unit}"
-            raise mistake(where, "unit", wanted, named, "leave unit out")
+        wanted = f"the unit of a {record.format} file, {record.unit}"
+        require(named in (None, record.unit), where, wanted, str(named), "leave unit out", key="unit")
         return record
     if spectra := _NO_RECORD.search(text[:400]):
         advice = "take the record's own file (V1, V2)"

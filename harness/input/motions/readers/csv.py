@@ -73,8 +73,8 @@ def read(text: str, where: str, *, unit: str | None = None) -> RecordFile:
         if column == time or header in others:
             continue
         orientation, stated = heading(header)
-        if stated is not None and unit is not None and stated != unit:
-            raise mistake(where, header, f"the unit that the file states, {stated}", unit, "leave unit out")
+        wanted = f"the unit that the file states, {stated}"
+        require(stated is None or unit in (None, stated), where, wanted, str(unit), "leave unit out", key=header)
         if stated is None and (other := _OTHER_UNIT.search(header)):
             raise mistake(where, header, UNIT_NAMES, other.group().strip("_()[]"), "convert the column")
         used = stated or unit
