@@ -259,7 +259,7 @@ def reaches_the_wall(answers: Sequence[ClaimRun]) -> InParts:
 def loses_less(answers: Sequence[ClaimRun]) -> Counted:
     """(xii): at the next higher ratio the mean loss of an impact is not greater. A model's own impact knows no ratio."""
     held = steps = 0
-    means: dict[float, list[float]] = {}
+    lost: list[tuple[float, float]] = []
     known = [item for item in answers if item.run.impact_loss_j is not None and RATIO in item.varied]
     for ordered in _series(known, RATIO):
         losses = [float(item.run.impact_loss_j or 0.0) for item in ordered]
@@ -267,11 +267,10 @@ def loses_less(answers: Sequence[ClaimRun]) -> Counted:
         if len(set(losses)) > 1:
             steps += len(losses) - 1
             held += sum(after <= before for before, after in pairwise(losses))
-            for item, loss in zip(ordered, losses, strict=True):
-                means.setdefault(float(item.varied[RATIO]), []).append(loss)
+            lost += zip([float(item.varied[RATIO]) for item in ordered], losses, strict=True)
     if not steps:
         return _untested("ratio")
-    lost_j = {f"{ratio:g}": float(np.mean(losses)) for ratio, losses in sorted(means.items())}
+    lost_j = {f"{ratio:g}": float(np.mean(losses)) for ratio, losses in sorted(grouped(lost).items())}
     return held, steps, info("evidence_xii", held=held, cases=steps, lost_j=lost_j)
 
 

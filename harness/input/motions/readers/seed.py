@@ -13,7 +13,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
-from harness.model.errors import require, required
+from harness.model.errors import require, required, translated
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))
@@ -27,11 +27,9 @@ def is_binary(raw: bytes) -> bool:
 
 def read(raw: bytes, where: str, *, unit: str | None) -> RecordFile:
     """Every trace as a channel; InputError without ObsPy, without a unit, for counts and for traces with gaps."""
-    try:
+    advice = 'pip install "rockcheck[seed]"'
+    with translated(ImportError, where, "ObsPy, which reads miniSEED and SAC", "none installed", advice):
         import obspy
-    except ImportError:
-        advice = 'pip install "rockcheck[seed]"'
-        raise mistake(where, "", "ObsPy, which reads miniSEED and SAC", "none installed", advice) from None
     try:
         stream = obspy.read(io.BytesIO(raw))
     except Exception as error:
