@@ -129,3 +129,15 @@ def test_rest_that_is_left_out_changes_no_rotation_after_it(sampled: bool) -> No
     assert run.skipped["quiet_rest"] > 0.5
     assert run.peak_theta_rad > 2e-3
     assert apart(run, bullet(case, 1e-3, NOTHING_SKIPPED)) <= budget.REST_LEFT_OUT_RAD
+
+
+@pytest.mark.parametrize("sampled", [True, False])
+def test_a_table_that_moves_before_anything_else_does_takes_it_along(sampled: bool) -> None:
+    """Until a ramp reaches the limits of rest nothing moves on the table, which has its velocity by then."""
+    motion, t_s = Harmonic(0.25 * GRAVITY_M_S2, 2.0, ramp_s=1.0), np.arange(0.0, 1.2, 0.002)
+    x = SampledAcceleration(t_s, motion.accel_m_s2(t_s)) if sampled else motion
+    on = replace(paestum(0.3, 2.0, duration_s=1.0), base_excitation=BaseExcitation(x=x))
+    frame, moving = bullet(on, 1e-3), bullet(replace(on, table="moving"), 1e-3)
+    assert frame.skipped["quiet_start"] > 0.3
+    assert moving.peak_slip_m == pytest.approx(frame.peak_slip_m, abs=budget.TABLE_M)
+    assert apart(moving, frame) <= budget.TABLE_RAD
