@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -230,21 +231,15 @@ def read_table(path: Path) -> list[Trial]:
 
 
 def _header(path: Path, names: Sequence[str]) -> list[Mistake]:
-    known = f"a known column ({', '.join(COLUMNS)})"
-    mistakes = [
-        Mistake(str(path), "header", known, repr(name), nearest(name, COLUMNS)) for name in names if name not in COLUMNS
+    known, counts = f"a known column ({', '.join(COLUMNS)})", Counter(names)
+    told: list[tuple[str, ...]] = [
+        *((known, repr(name), nearest(name, COLUMNS)) for name in names if name not in COLUMNS),
+        *(("each column once", f"{name} {count} times") for name, count in counts.items() if count > 1),
+        *((f"a column {name}", "none") for name in ("test", "observed") if name not in counts),
     ]
-    mistakes += [
-        Mistake(str(path), "header", "each column once", f"{name} {names.count(name)} times")
-        for name in dict.fromkeys(names)
-        if names.count(name) > 1
-    ]
-    mistakes += [
-        Mistake(str(path), "header", f"a column {name}", "none") for name in ("test", "observed") if name not in names
-    ]
-    if "scene" not in names and "mesh" not in names:
-        mistakes.append(Mistake(str(path), "header", "a column scene or mesh", "neither"))
-    return mistakes
+    if not {"scene", "mesh"} & counts.keys():
+        told.append(("a column scene or mesh", "neither"))
+    return [Mistake(str(path), "header", *each) for each in told]
 
 
 def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
