@@ -13,7 +13,7 @@ from typing import Any, Final
 from harness.comparison.statistics import FELL
 from harness.input import paths
 from harness.input.text_file import decoded, numbers, read_bytes
-from harness.model.errors import InputError, Mistake, nearest, refuse, require
+from harness.model.errors import InputError, Mistake, check_known, nearest, refuse, require
 from harness.model.history import Outcome
 from harness.model.run_set import grouped
 
@@ -33,8 +33,7 @@ def one_of(*known: str, meaning: Mapping[str, Any] | None = None) -> Callable[[s
     """Reads one of these texts, by what it means where that is another thing."""
 
     def read(text: str) -> Any:
-        if text not in known:
-            raise InputError(Mistake("", "", f"one of {', '.join(known)}", repr(text), nearest(text, known)))
+        check_known(text, known, "")
         return (meaning or {}).get(text, text)
 
     return read
