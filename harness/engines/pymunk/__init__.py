@@ -32,10 +32,10 @@ from harness.model.scene import Scene
 from harness.statics.plan import first_motion_s
 
 LEVELS: Final = (
-    (4e-3, 90, 4e-4),
+    (4e-3, 90, 5e-4),
     (2e-3, 120, 2e-4),
     (1e-3, 120, 1e-4),
-    (5e-4, 160, 2e-5),
+    (5e-4, 160, 3e-5),
     (2.5e-4, 240, 7e-6),
     (1e-4, 400, 3e-6),
     (5e-5, 600, 1.5e-6),
