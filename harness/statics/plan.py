@@ -225,12 +225,14 @@ HULL_EXCESS_LIMIT: Final = 0.12
 class Need:
     """The shape that meets a pedestal's edge: `base` (vertices alone), `hull` or `parts`.
 
-    `hull_excess_rel` is what the hull adds to the volume of the mesh below `below_m`, the highest that an edge can meet.
+    `excess` is what the hull adds to the volume of the mesh below `below_m`, the highest that an edge can meet, as a share of it;
+    above `limit` parts are needed.
     """
 
     shape: Literal["base", "hull", "parts"]
-    hull_excess_rel: float = 0.0
+    excess: float = 0.0
     below_m: float = 0.0
+    limit: float = HULL_EXCESS_LIMIT
 
 
 def shape_needed(scene: Scene) -> Need:
@@ -361,12 +363,8 @@ def _reason(name: str, scene: Scene, options: RunOptions) -> tuple[Finding, bool
 
             need, wall = shape_needed(scene), None if scene.wall is None else scene.wall.side
             absent = missing() if need.shape == "parts" else None
-            return info("plan_shape", shape=need.shape, wall=wall, missing=absent, **_excess(need)), True
+            return info("plan_shape", wall=wall, missing=absent, **vars(need)), True
     raise KeyError(name)
-
-
-def _excess(need: Need) -> dict[str, float]:
-    return {"excess": need.hull_excess_rel, "limit": HULL_EXCESS_LIMIT, "below_m": need.below_m}
 
 
 def _edges(scene: Scene, engines: Sequence[PlannedEngine]) -> list[Step]:
@@ -376,7 +374,7 @@ def _edges(scene: Scene, engines: Sequence[PlannedEngine]) -> list[Step]:
         return []
     shapes = {engine.name: engine.capabilities.edge_shape for engine in engines if engine.capabilities.edge_shape}
     return [
-        Step("base_only", name, False, info("plan_edge_shape", shape=shape, **_excess(need)))
+        Step("base_only", name, False, info("plan_edge_shape", **vars(need) | {"shape": shape}))
         for name, shape in shapes.items()
     ]
 

@@ -21,7 +21,7 @@ def test_the_choice() -> None:
     assert shape_needed(paestum(0.3, 2.0)).shape == "hull"
     need = shape_needed(replace(paestum(0.3, 2.0), statue=figure))
     assert need.shape == "parts"
-    assert need.hull_excess_rel > HULL_EXCESS_LIMIT
+    assert need.excess > HULL_EXCESS_LIMIT
     assert 0.0 < need.below_m <= figure.height_m
 
 
