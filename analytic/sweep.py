@@ -434,10 +434,12 @@ def in_pieces(
 ) -> list[Piece]:
     """What work(start, stop) gives of pieces of so many rows, at most `most` in each, shared among threads (None: all cores)."""
     workers = threads or os.cpu_count() or 1
+    # Of no rows one empty piece: its parts have their shapes and kinds still.
     step = max(1, min(most or size, -(-size // (workers * CHUNKS_PER_THREAD))))
     with ThreadPoolExecutor(workers) as pool:
         waiting = {
-            pool.submit(work, start, min(start + step, size)): min(step, size - start) for start in range(0, size, step)
+            pool.submit(work, start, min(start + step, size)): min(step, size - start)
+            for start in range(0, max(size, 1), step)
         }
         ended: Iterable[Future[Piece]] = as_completed(waiting)
         if progress is True:

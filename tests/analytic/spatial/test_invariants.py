@@ -131,6 +131,8 @@ def test_outcomes_are_those_of_single_runs() -> None:
         assert many.impacts[k] == run.work.impacts
         assert many.peak_tilt_rad[k] == run.peak_tilt_rad
     assert many.overturned.tolist() == [False, False, True, True]
+    none = spatial.outcomes(problem, {"scale": []})
+    assert (none.peak_tilt_rad.shape, none.overturned.tolist()) == ((0,), [])
 
 
 @pytest.mark.parametrize(
