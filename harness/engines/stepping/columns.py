@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
@@ -82,7 +83,8 @@ class Trajectory:
         return Trajectory(**columns, extra=extra)  # type: ignore[arg-type]
 
 
-JUMP_IN_G, PULLS = 10.0, 2.0
+JUMP_IN_G: Final = 10.0
+PULLS: Final = 2.0
 """An acceleration above this many g, and this many times what weight and table can do together, is an impact's: velocities on
 its two sides are not averaged."""
 

@@ -71,9 +71,11 @@ HARD: Final = 2.0
 """A normal force above so many weights is an impact's, and"""
 BESIDE: Final = 2
 """so many steps beside it do not tell forces: velocities of the middles of steps are taken over to their ends."""
-SMOOTH, SMOOTH_PER_S = 1e-2, 25.0
-"""A coefficient below this, and below so much times the step, is held to as much: of none at all no share can be taken, and what
-a step of 4 ms leaves unread comes to 3e-3 of the normal force in a statue that falls fast over a pedestal that slides."""
+SMOOTH: Final = 1e-2
+"""A coefficient below this is held to as much, of none at all no share can be taken, and one below"""
+SMOOTH_PER_S: Final = 25.0
+"""so much times the step: what one of 4 ms leaves unread comes to 3e-3 of the normal force in a statue that falls fast over a
+pedestal that slides."""
 AT_LIMIT: Final = 1e-3
 """A release acted with the static coefficient when its friction is so near to it, as a share of μ_s − μ_k."""
 AS_STATIC: Final = 3
@@ -121,9 +123,9 @@ def check_friction(
     settled = np.maximum(before, np.concatenate([[0.0], before[:-1]])) <= still_m_s
     held = counted & ~hard & settled & (after <= still_m_s)
     step_s = float(np.median(np.diff(motion.t_s)))
-    most, least = MOST_OVER * max(1.0, step_s / COARSE_S), max(SMOOTH, SMOOTH_PER_S * step_s)
+    most, smooth = MOST_OVER * max(1.0, step_s / COARSE_S), max(SMOOTH, SMOOTH_PER_S * step_s)
     for name, coefficient, which in (("sliding", kinetic, sliding), ("held", static, held)):
-        over = _over(friction, coefficient, normal, which, least)
+        over = _over(friction, coefficient, normal, which, smooth)
         if over > most:
             raise LayerFault(f"friction_{name}", over_its_limit=over)
     if interventions is None or static == kinetic:
@@ -170,9 +172,11 @@ def _beside(steps: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(np.convolve(steps, np.ones(2 * BESIDE + 1))[BESIDE:-BESIDE] > 0.0)
 
 
-def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_], least: float) -> float:
-    """Share by which friction exceeds its limit (of a `least` coefficient) over the steps in question, 0 for too few of them."""
+def _over(friction: Array, coefficient: float, normal: Array, which: NDArray[np.bool_], smooth: float) -> float:
+    """Share by which friction exceeds its limit over the steps in question, 0 for too few of them; a coefficient below `smooth`
+    is held to that.
+    """
     if which.sum() < LEAST_STEPS:
         return 0.0
     excess = np.maximum(friction[which] - coefficient * normal[which], 0.0).sum()
-    return float(excess / (max(coefficient, least) * normal[which].sum()))
+    return float(excess / (max(coefficient, smooth) * normal[which].sum()))

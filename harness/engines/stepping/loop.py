@@ -316,11 +316,8 @@ def integrate(scene: Scene, schedule: Schedule, watch: Watch, state: StepState) 
     """Run `state` to the schedule's end, an overturn, rest, or where it is to leave this world."""
     pull = greatest_pull_m_s2(scene)
     kinetic = scene.contact.floor_kinetic * scene.gravity_m_s2
-    still, record, falls = (
-        StillWatch(watch.rest, watch.quiet_from),
-        state.record,
-        watch.ends_fallen and scene.initial.pose is None,
-    )
+    still, record = StillWatch(watch.rest, watch.quiet_from), state.record
+    falls = watch.ends_fallen and scene.initial.pose is None
     state.settle()
     look, leave_look, wall_look, beside = state.number, state.number, state.number, False
     while state.number < schedule.count:
