@@ -24,11 +24,7 @@ if TYPE_CHECKING:
     from harness.input.history_file import read_history
     from harness.input.mesh_statue import Mesh, read_mesh
     from harness.input.scene_file import load_scene, scene
-    from harness.model.errors import InputError, Mistake
-    from harness.model.history import History, Outcome
-    from harness.model.run import Run, RunOptions
-    from harness.model.run_set import RunSet
-    from harness.model.scene import Scene
+    from harness.model import History, InputError, Mistake, Outcome, Run, RunOptions, RunSet, Scene
     from harness.questions.assess.assessment import assess
     from harness.questions.scene.scene_run import run_scene
     from harness.questions.study.study_run import sweep
@@ -46,10 +42,7 @@ _NAMES: Final = {
     "harness.input.history_file": "read_history",
     "harness.input.mesh_statue": "Mesh read_mesh",
     "harness.input.scene_file": "load_scene scene",
-    "harness.model.errors": "InputError Mistake",
-    "harness.model.history": "History Outcome",
-    "harness.model.run": "Run RunOptions",
-    "harness.model.scene": "Scene",
+    "harness.model": "History InputError Mistake Outcome Run RunOptions RunSet Scene",
     "harness.questions.assess.assessment": "assess",
     "harness.records.result_folder": "read_result",
     "harness.records.run": "RunRecord",
@@ -58,7 +51,6 @@ _NAMES: Final = {
     "harness.questions.scene.scene_run": "run_scene",
     "harness.runs.execute": "execute",
     "harness.runs.task": "RunRequest",
-    "harness.model.run_set": "RunSet",
     "harness.questions.study.study_run": "sweep",
 }
 """The public names by their modules."""

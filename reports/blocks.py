@@ -9,8 +9,7 @@ from typing import Any, Final, TypeAlias
 
 from markupsafe import Markup
 
-from harness.model.finding import Finding, Severity, weighed
-from harness.model.run_set import grouped
+from harness.model import Finding, Severity, grouped, weighed
 from harness.records.base import Record, option_words
 from reports.messages import Language
 

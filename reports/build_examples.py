@@ -12,10 +12,8 @@ from typing import Final
 
 from harness.input.paths import data_folder
 from harness.input.scene_file import load_scene
-from harness.model.finding import Answer as Answered
-from harness.model.finding import Say, info
-from harness.model.history import Outcome
-from harness.model.run import Run, machine, versions
+from harness.model import Answer as Answered
+from harness.model import Outcome, Run, Say, info, machine, versions
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.questions.trust.trust_run import run_trust
 from harness.records.result_folder import write_whole

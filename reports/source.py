@@ -11,9 +11,7 @@ from typing import Final
 import numpy as np
 
 from harness.input.history_file import read_history
-from harness.model.errors import InputError, Mistake, refuse
-from harness.model.history import History, Outcome, history_file
-from harness.model.run import Run
+from harness.model import History, InputError, Mistake, Outcome, Run, history_file, refuse
 from harness.records.base import REWRITE, Record
 from harness.records.result_folder import RECORD, as_written, read_result
 from harness.records.run import RunRecord, has_answer, known_until_s

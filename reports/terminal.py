@@ -9,10 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from harness.input.mesh_statue import findings_of, steps_of
-from harness.model.errors import printable
-from harness.model.finding import Finding, Severity, texted, weighed
-from harness.model.run import Run, number
-from harness.model.run_set import grouped
+from harness.model import Finding, Run, Severity, grouped, number, printable, texted, weighed
 from harness.records.base import Record
 from harness.records.run import STILL_RAD, RunRecord, outside_domain, peak_lean_rad, peak_slip_m, standing
 from harness.records.scene import SceneRecord

@@ -7,9 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.finding import Finding
-from harness.model.history import Array, History, Outcome
-from harness.model.run import Run
+from harness.model import Array, Finding, History, Outcome, Run
 from harness.records.study import CaseRun
 
 

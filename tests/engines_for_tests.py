@@ -9,8 +9,7 @@ import pytest
 
 from harness import engines
 from harness.engines.base import Engine
-from harness.model.run import SKIPS, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import SKIPS, Run, RunOptions, Scene
 
 NOTHING_SKIPPED = RunOptions(skips=frozenset())
 WHOLE = RunOptions(skips=frozenset(SKIPS) - {"mirror"})

@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
-from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
+from harness.model import BaseExcitation, Contact, Form, Initial, Pedestal, Scene, Statue, Wall
 
 SCENES = Path(__file__).parents[1] / "scenes"
 """The scenes that are shipped."""

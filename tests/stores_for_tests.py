@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from harness.model.run import Run
+from harness.model import Run
 from harness.runs.store import Store, packed
 from harness.runs.task import answer_of
 

@@ -14,8 +14,7 @@ from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, se
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.engines import EXACT_IN_SPACE, load
 from harness.engines.base import EngineFailure, Settings
-from harness.model.run import MOST_TIMES, Run, RunOptions, number
-from harness.model.scene import Scene
+from harness.model import MOST_TIMES, Run, RunOptions, Scene, number
 from harness.statics.plan import LimitsOfRest, asymmetry, first_motion_s
 
 CERTIFIED_S: Final[Mapping[str, float]] = {MODEL: 6e-5, EXACT_IN_SPACE: 3e-3}

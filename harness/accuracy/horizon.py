@@ -11,9 +11,7 @@ from harness import engines
 from harness.accuracy.spread import PLAIN_ORDER, Error, Spread
 from harness.engines.analytic import TwoBlockSettings
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.history import History, Outcome, first_beyond_s, pair
-from harness.model.run import Run, RunOptions, number
-from harness.model.scene import Scene
+from harness.model import History, Outcome, Run, RunOptions, Scene, first_beyond_s, number, pair
 from harness.records.run import HorizonRecord
 from harness.statics.plan import as_one
 

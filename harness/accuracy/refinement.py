@@ -37,9 +37,7 @@ from harness.accuracy.spread import (
     target_of,
 )
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
-from harness.model.finding import Finding, caution, info
-from harness.model.run import Run, RunOptions, number
-from harness.model.scene import Scene
+from harness.model import Finding, Run, RunOptions, Scene, caution, info, number
 
 # How much a small change of the motion moves an engine's answer: where that is much, two runs may agree by chance. The error of
 # a step acts as a slightly other motion does. A third run, under a motion stronger by as much as the step is expected to err

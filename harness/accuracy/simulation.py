@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from harness import engines
 from harness.engines.base import Engine, EngineFailure, LayerFault, own_failures
-from harness.model.errors import require
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene, must_be_scene
+from harness.model import Outcome, Run, RunOptions, Scene, must_be_scene, require
 
 if TYPE_CHECKING:
     from harness.input.overrides import Overrides

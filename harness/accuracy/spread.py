@@ -8,9 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Array
-from harness.model.run import Run, number
-from harness.model.scene import Scene
+from harness.model import Array, Run, Scene, number
 
 SAFETY: Final = 3.0
 """Stated uncertainty over the error that a spread shows: what the grid convergence index takes for two grids (Roache, 1994);

@@ -14,11 +14,22 @@ from harness.comparison.scores import events, pointwise
 from harness.comparison.scores.events import Excursions, Inertia, after_horizon, event_scores
 from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
 from harness.comparison.scores.pointwise import rate as rate_by_iso
-from harness.model.errors import require, translated
-from harness.model.finding import Finding, caution, changes_answer, info
-from harness.model.history import History, Outcome, Pair, first_beyond_s, pair
-from harness.model.run import Run, number
-from harness.model.scene import Scene
+from harness.model import (
+    Finding,
+    History,
+    Outcome,
+    Pair,
+    Run,
+    Scene,
+    caution,
+    changes_answer,
+    first_beyond_s,
+    info,
+    number,
+    pair,
+    require,
+    translated,
+)
 from harness.records.run import SLIDES_M, STILL_RAD, standing
 from harness.records.scores import Evidence, Scores, Verdict
 

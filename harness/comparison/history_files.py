@@ -10,9 +10,7 @@ import numpy as np
 from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
-from harness.model.errors import require
-from harness.model.finding import caution
-from harness.model.run import machine, versions
+from harness.model import caution, machine, require, versions
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.scores import FILES, CompareRecord, Scores
 

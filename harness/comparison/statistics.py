@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.history import Array, Outcome
+from harness.model import Array, Outcome
 from harness.records.scores import CONFIDENCE, Interval
 from harness.records.validation import DistributionScores, FragilityCurve, LogPeaks, OutcomeScores, ReliabilityBin
 

@@ -5,8 +5,7 @@ from importlib import import_module
 from typing import Final
 
 from harness.engines.base import Engine
-from harness.model.errors import InputError, Mistake, nearest
-from harness.model.scene import Scene
+from harness.model import InputError, Mistake, Scene, nearest
 
 REGISTRY: Final[Mapping[str, str]] = {
     "analytic": "harness.engines.analytic:TwoBlock",

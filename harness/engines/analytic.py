@@ -10,11 +10,25 @@ from typing import TYPE_CHECKING, ClassVar, Final, cast, final
 
 from analytic.excitation import ZeroExcitation
 from harness.engines.base import RELIABLE_RAD, Engine, EngineFailure, Settings, own_settings
-from harness.model.finding import Finding, Severity, caution, changes_answer, info
-from harness.model.history import History, Outcome
-from harness.model.run import SAME_END, Capabilities, Pattern, PatternName, Run, RunOptions
-from harness.model.scene import BaseExcitation, Scene
-from harness.model.two_block import block_of, keywords
+from harness.model import (
+    SAME_END,
+    BaseExcitation,
+    Capabilities,
+    Finding,
+    History,
+    Outcome,
+    Pattern,
+    PatternName,
+    Run,
+    RunOptions,
+    Scene,
+    Severity,
+    block_of,
+    caution,
+    changes_answer,
+    info,
+    keywords,
+)
 
 if TYPE_CHECKING:
     from analytic import Certified, CommonKeywords, Solution

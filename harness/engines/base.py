@@ -22,9 +22,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import ClassVar, Final, TypeVar
 
-from harness.model.errors import InputError
-from harness.model.run import Capabilities, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Capabilities, InputError, Run, RunOptions, Scene
 
 VERIFICATION_STEP_SHARE: Final = 0.45
 """Step of a verification run over its level's: steps that are parts of each other begin at the same instants, and err alike."""

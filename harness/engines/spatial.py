@@ -15,10 +15,20 @@ from harness.engines.stepping import frame
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import planar, statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.model.finding import Finding, caution, changes_answer
-from harness.model.history import Array, Outcome
-from harness.model.run import SAME_END, Capabilities, Run, RunOptions
-from harness.model.scene import OVERTURN_RAD, Pose, Scene
+from harness.model import (
+    OVERTURN_RAD,
+    SAME_END,
+    Array,
+    Capabilities,
+    Finding,
+    Outcome,
+    Pose,
+    Run,
+    RunOptions,
+    Scene,
+    caution,
+    changes_answer,
+)
 
 if TYPE_CHECKING:
     from analytic.spatial import Certified, Problem, Solution

@@ -13,8 +13,7 @@ import numpy as np
 
 from harness.input.mistakes import MOST_MISTAKES, unsaid
 from harness.input.text_file import decoded, is_decimal, numbers, read_bytes
-from harness.model.errors import InputError, Mistake, refuse, require, translated
-from harness.model.history import COLUMNS, Array, History, hermites
+from harness.model import COLUMNS, Array, History, InputError, Mistake, hermites, refuse, require, translated
 
 REQUIRED: Final = ("t_s", "theta_rad")
 UNITS: Final[Mapping[str, tuple[str, float]]] = {

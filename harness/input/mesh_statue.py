@@ -14,10 +14,20 @@ import numpy as np
 
 from harness.input import paths
 from harness.input.tables import AdjustTable, MeshTable, StatueTable
-from harness.model.errors import InputError, Mistake, require
-from harness.model.finding import Axes, Finding, Say, Shown, caution, info, new_axes
-from harness.model.history import Array
-from harness.model.scene import Statue
+from harness.model import (
+    Array,
+    Axes,
+    Finding,
+    InputError,
+    Mistake,
+    Say,
+    Shown,
+    Statue,
+    caution,
+    info,
+    new_axes,
+    require,
+)
 
 if TYPE_CHECKING:
     from meshes import MeshError, Solid

@@ -7,7 +7,7 @@ from typing import Any, Final, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
-from harness.model.errors import Mistake, nearest
+from harness.model import Mistake, nearest
 
 _WANTED: Mapping[str, str] = {
     "missing": "this key",

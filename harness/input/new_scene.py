@@ -14,7 +14,7 @@ from analytic.block import GRAVITY_M_S2
 from harness.input.mesh_statue import findings_of, steps_of
 from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.records import AZIMUTH_TOLERANCE_DEG, LEAST_CROSSING_DEG, crossing_deg
-from harness.model.finding import Finding, Say, caution, info
+from harness.model import Finding, Say, caution, info
 
 if TYPE_CHECKING:
     from meshes.inspection import Inspection

@@ -11,7 +11,7 @@ from typing import Final, cast
 
 from pydantic import JsonValue
 
-from harness.model.errors import InputError, Mistake, refuse, require
+from harness.model import InputError, Mistake, refuse, require
 
 # TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not have.
 

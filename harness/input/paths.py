@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import JsonValue
 
-from harness.model.errors import require
+from harness.model import require
 
 DATA_VARIABLE = "ROCKCHECK_DATA"
 _PREFIX = "${" + DATA_VARIABLE + "}"

@@ -21,11 +21,30 @@ from harness.input.mesh_statue import statue_from_mesh
 from harness.input.overrides import Overrides, plain, replacements
 from harness.input.tables import InitialTable, PedestalTable, SceneFile, StatueTable
 from harness.input.uncertain import uncertain_inputs
-from harness.model.errors import InputError, Mistake, refuse, require, translated
-from harness.model.finding import Finding, caution, info
-from harness.model.history import Array
-from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
-from harness.model.two_block import base_end, block_of, pedestal_of, wall_of
+from harness.model import (
+    Array,
+    BaseExcitation,
+    Contact,
+    Finding,
+    Form,
+    Initial,
+    InputError,
+    Mistake,
+    Pedestal,
+    Pose,
+    Scene,
+    Statue,
+    Wall,
+    base_end,
+    block_of,
+    caution,
+    info,
+    pedestal_of,
+    refuse,
+    require,
+    translated,
+    wall_of,
+)
 
 LARGEST_GYRATION: Final = 2.0
 """No body's radius of gyration exceeds its size; twice it leaves room for arms that the numbers do not show."""

@@ -16,7 +16,7 @@ from harness.input.mistakes import UserTable, agree, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
 from harness.input.overrides import Replacement, content_of, override
 from harness.input.uncertain import Distribution, uncertain_inputs
-from harness.model.errors import InputError, Mistake, refuse, require, translated
+from harness.model import InputError, Mistake, refuse, require, translated
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]

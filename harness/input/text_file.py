@@ -14,7 +14,7 @@ from typing import IO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.errors import InputError, Mistake, require, translated
+from harness.model import InputError, Mistake, require, translated
 
 MOST_BYTES: Final = 64 * 2**20
 """Largest text read, unpacked: three components of 20 minutes at 200 Hz with velocities and displacements take 17 MB."""

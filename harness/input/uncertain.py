@@ -8,8 +8,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BaseModel, Field
 
 from harness.input.mistakes import Contradiction, UserTable, agree
-from harness.model.errors import nearest
-from harness.model.scene import Uncertain
+from harness.model import Uncertain, nearest
 
 # How far a number of a scene is known where nobody says: a distribution for each kind of key.
 

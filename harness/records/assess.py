@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from harness.model.run import OMITTED
-from harness.model.scene import Uncertain
+from harness.model import OMITTED, Uncertain
 from harness.records.base import Record, RunCounts
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval

@@ -15,10 +15,19 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import ErrorDetails
 
 from harness.input.mistakes import TYPE_NAME, Contradiction, got_of, wanted_of
-from harness.model.errors import InputError, Mistake
-from harness.model.files import MARK
-from harness.model.finding import Answer, Finding, Say, texted, weighed
-from harness.model.run import OMITTED, SCHEMA_VERSION, to_plain
+from harness.model import (
+    MARK,
+    OMITTED,
+    SCHEMA_VERSION,
+    Answer,
+    Finding,
+    InputError,
+    Mistake,
+    Say,
+    texted,
+    to_plain,
+    weighed,
+)
 
 REWRITE: Final = "write the result anew with this version"
 MOST_MISTAKES: Final = 10

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from harness.model.finding import Answer, Finding, caution, changes_answer, info
+from harness.model import Answer, Finding, caution, changes_answer, info
 from harness.records.base import Record
 
 Group = Literal["level", "accuracy"]

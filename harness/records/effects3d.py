@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from harness.model.history import Outcome
+from harness.model import Outcome
 from harness.records.base import Record
 from harness.records.scene import SceneRecord
 

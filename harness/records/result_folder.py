@@ -14,9 +14,19 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final, TypeVar
 
-from harness.model.errors import InputError, Mistake, require, translated
-from harness.model.files import FRESH, NO_ROOM, checksum, is_own, is_sealed
-from harness.model.run import SCHEMA_VERSION, write_json
+from harness.model import (
+    FRESH,
+    NO_ROOM,
+    SCHEMA_VERSION,
+    InputError,
+    Mistake,
+    checksum,
+    is_own,
+    is_sealed,
+    require,
+    translated,
+    write_json,
+)
 from harness.records.base import REWRITE, Plain, Record, as_file, validated
 
 R = TypeVar("R", bound=Record)

@@ -8,9 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from harness.input.mistakes import agree
-from harness.model.finding import Finding, Say
-from harness.model.history import Array, Outcome
-from harness.model.run import OMITTED, Run, RunRow, number
+from harness.model import OMITTED, Array, Finding, Outcome, Run, RunRow, Say, number
 from harness.records.assess import Assessment
 from harness.records.base import Record
 from harness.records.scene import MotionRecord, SceneRecord

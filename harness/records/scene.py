@@ -11,9 +11,7 @@ from pydantic import Field
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.mistakes import agree
-from harness.model.history import Array
-from harness.model.run import OMITTED, to_plain
-from harness.model.scene import Contact, Form, Initial, Pedestal, Scene, Wall
+from harness.model import OMITTED, Array, Contact, Form, Initial, Pedestal, Scene, Wall, to_plain
 from harness.records.base import Positive, Table, same_fields
 from harness.statics.standstill import Cause, peak_within_m_s2, push_of
 

@@ -8,9 +8,7 @@ from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from typing import Final, Literal
 
-from harness.model.finding import Axes, Finding, Say, Shown, new_axes, texted
-from harness.model.history import Outcome
-from harness.model.run import OMITTED
+from harness.model import OMITTED, Axes, Finding, Outcome, Say, Shown, new_axes, texted
 from harness.records.base import Record
 
 # The record of two histories from files, compared; both lie beside it in the contract's units.

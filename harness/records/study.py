@@ -12,10 +12,22 @@ from typing import Any, Final, Literal
 import numpy as np
 from pydantic import JsonValue
 
-from harness.model.finding import Axes, Finding, Say, Severity, Shown
-from harness.model.history import Outcome
-from harness.model.run import OMITTED, RUN_FIELDS, RunRow, to_plain
-from harness.model.run_set import Column, RunSet, answered, column_of
+from harness.model import (
+    OMITTED,
+    RUN_FIELDS,
+    Axes,
+    Column,
+    Finding,
+    Outcome,
+    RunRow,
+    RunSet,
+    Say,
+    Severity,
+    Shown,
+    answered,
+    column_of,
+    to_plain,
+)
 from harness.records.base import Plain, Record, plain
 from harness.records.scene import SceneRecord
 from harness.records.validation import SetScores

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from harness.model.finding import Finding, caution, info
-from harness.model.run import OMITTED
+from harness.model import OMITTED, Finding, caution, info
 from harness.records.base import Record, RunCounts
 from harness.records.scores import Interval, Scores
 

@@ -11,9 +11,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.errors import InputError, Mistake, require
-from harness.model.run import NUMBERS
-from harness.model.run_set import Column, RunSet, run_set
+from harness.model import NUMBERS, Column, InputError, Mistake, RunSet, require
+from harness.model.run_set import run_set
 from harness.records.base import Plain
 from harness.records.study import UsageRecord, impacts
 from harness.runs.runner import Crash, DaskPool, InlinePool, LocalPool, Pool

@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final
 
-from harness.model.errors import printable
+from harness.model import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress

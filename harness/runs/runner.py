@@ -19,7 +19,7 @@ from types import ModuleType
 from typing import Any, Final
 from weakref import WeakSet
 
-from harness.model.errors import InputError, Mistake, require, translated
+from harness.model import InputError, Mistake, require, translated
 
 GRACE_S: Final = 5.0
 """Time a worker is given to end by itself before it is killed: one that is stopped hears nothing else."""

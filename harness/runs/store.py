@@ -18,11 +18,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import engines
-from harness.model.errors import InputError, Mistake, require, translated
-from harness.model.files import NO_ROOM, writing
-from harness.model.history import COLUMNS, Array, History
-from harness.model.run import Run, to_plain
-from harness.model.scene import Scene
+from harness.model import (
+    COLUMNS,
+    NO_ROOM,
+    Array,
+    History,
+    InputError,
+    Mistake,
+    Run,
+    Scene,
+    require,
+    to_plain,
+    translated,
+    writing,
+)
 from harness.records.base import Plain, part
 from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
 from harness.records.study import Value

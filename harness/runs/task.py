@@ -21,10 +21,25 @@ from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcita
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, failed, simulate, simulate_with
 from harness.engines.base import Engine
-from harness.model.errors import require
-from harness.model.history import History, Outcome
-from harness.model.run import Capabilities, Run, RunOptions, to_plain, versions
-from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pedestal, Pose, Scene, Statue, Wall
+from harness.model import (
+    BaseExcitation,
+    Capabilities,
+    Contact,
+    Form,
+    History,
+    Initial,
+    Outcome,
+    Pedestal,
+    Pose,
+    Run,
+    RunOptions,
+    Scene,
+    Statue,
+    Wall,
+    require,
+    to_plain,
+    versions,
+)
 from harness.records.base import Plain
 from harness.runs.runner import Crash, Hung, LocalPool
 

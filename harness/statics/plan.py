@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.excitation import BOW, SampledAcceleration, ZeroExcitation
-from harness.model.finding import Finding, info
-from harness.model.history import Array
-from harness.model.run import SKIPS, Capabilities, RunOptions
-from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue
+from harness.model import OVERTURN_RAD, SKIPS, Array, Capabilities, Finding, Pedestal, RunOptions, Scene, Statue, info
 from harness.statics.standstill import LEVEL_M, instants_s, resting_polygon_m, rests_on_m, tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
 

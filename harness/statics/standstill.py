@@ -11,10 +11,7 @@ import numpy as np
 
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
-from harness.model.finding import Finding, caution, changes_answer
-from harness.model.history import Array, Outcome
-from harness.model.run import Run
-from harness.model.scene import Pedestal, Scene, Statue, written
+from harness.model import Array, Finding, Outcome, Pedestal, Run, Scene, Statue, caution, changes_answer, written
 from meshes.footprint import footprint, margin_m, outward_sides
 
 # What the floor's motion asks of a statue at rest: its strongest push, and how near that comes to moving the statue.

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from harness.comparison.statistics import FELL
-from harness.model.history import History, pair
+from harness.model import History, pair
 from harness.questions.validate.scenes import GRAVITY_M_S2
 from harness.records.assess import FragilityRecord
 from harness.records.bench import LEVEL, TARGET, PrecisionRow, ScalingRow

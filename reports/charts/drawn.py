@@ -14,8 +14,7 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
-from harness.model.errors import printable_lines
-from harness.model.run import to_plain
+from harness.model import printable_lines, to_plain
 from reports.charts import Json
 from reports.charts.figure import CONFIG, HATCHES, LETTER
 from reports.charts.histories import DISPLAYED_SAMPLES, packed_array, shown_samples

@@ -7,8 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.history import Array
-from harness.model.run import number
+from harness.model import Array, number
 from harness.records.run import SLIDES_M, STILL_RAD
 from harness.records.scene import StatueRecord
 from harness.statics.standstill import STILL_M

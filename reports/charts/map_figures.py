@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.model.run_set import grouped
+from harness.model import grouped
 from harness.questions.study.case_selection import SAME_CELL, Place, filled
 from harness.questions.trust.point import MODEL
 from harness.records.bench import StabilityCell

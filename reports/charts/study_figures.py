@@ -6,8 +6,7 @@ from typing import Final
 import numpy as np
 
 from harness.comparison.statistics import fit_fragility, wilson
-from harness.model.finding import Finding, info
-from harness.model.run_set import grouped
+from harness.model import Finding, grouped, info
 from harness.records.run import STILL_RAD, falls
 from harness.records.study import CaseRun, Panel
 from harness.statics.standstill import STILL_M

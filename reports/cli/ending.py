@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import typer
 
-from harness.model.errors import InputError, printable
+from harness.model import InputError, printable
 from reports.cli.options import OutputOptions
 
 if TYPE_CHECKING:

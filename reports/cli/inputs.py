@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.model.errors import InputError, printable, require, required
-from harness.model.finding import texted, weighed
+from harness.model import InputError, printable, require, required, texted, weighed
 from reports.cli.app import app, command
 from reports.cli.options import OutputOptions, ScanOptions, SupportOptions, TextLayout, folder_of
 from reports.messages import ENGLISH
@@ -75,7 +74,7 @@ def _say_scan(inspection: Inspection, saying: OutputOptions, *last: str) -> None
 
 def _check_picture(picture: Path) -> None:
     """Raise `InputError` unless a picture of that name can be written without a loss."""
-    from harness.model.files import check_own
+    from harness.model import check_own
     from reports.export.figures import FORMATS
 
     kinds = (*FORMATS, "html")
@@ -112,7 +111,7 @@ def new(
     ] = None,
 ) -> None:
     """Write a first, commented scene from a scan and a record; it runs as it is."""
-    from harness.model.run import to_plain
+    from harness.model import to_plain
     from reports.cli.scans import new as write_scene
     from reports.terminal import found_lines
 
@@ -146,7 +145,7 @@ def motion_inspect(
     out: Annotated[Path | None, typer.Option("--out", help="Folder of picture and record. Default: out/NAME.")] = None,
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
-    from harness.model.run import write_json
+    from harness.model import write_json
     from harness.records.result_folder import INSPECTED, check_folder, listing
     from reports.export.figures import printed, write_picture
     from reports.export.motion_figure import WIDE, motion_picture

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from harness.model.errors import InputError, Mistake, json_text, printable_lines
+from harness.model import InputError, Mistake, json_text, printable_lines
 
 if TYPE_CHECKING:
     from harness.input.motions.recordfile import Layout

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from harness.model.errors import InputError, Mistake, check_known
+from harness.model import InputError, Mistake, check_known
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK, say_record

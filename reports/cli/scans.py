@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING, Final
 from harness.input import paths
 from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
 from harness.input.mistakes import wanted_of
+from harness.model import Finding, InputError, Mistake, Say, check_own, checksum, require, texted, write_text, writing
 from harness.model import run as record
-from harness.model.errors import InputError, Mistake, require
-from harness.model.files import check_own, checksum, write_text, writing
-from harness.model.finding import Finding, Say, texted
 from harness.records.result_folder import listed
 from reports.cli.options import ScanOptions, SupportOptions
 

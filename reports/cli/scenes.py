@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from harness.model.errors import InputError, Mistake, check_known, printable, require
+from harness.model import InputError, Mistake, check_known, printable, require
 from harness.runs.progress import ProgressMessages
 from reports.cli.app import app, command
 from reports.cli.ending import FAILED, OK, say_record
@@ -29,8 +29,7 @@ from reports.messages import ENGLISH
 from reports.messages import language as known_language
 
 if TYPE_CHECKING:
-    from harness.model.run import RunOptions
-    from harness.model.scene import Scene
+    from harness.model import RunOptions, Scene
     from harness.questions.scene.scene_run import Result
     from harness.records.scores import Scores
     from harness.records.validation import SetScores
@@ -93,7 +92,7 @@ def plan_of(
 ) -> tuple[list[object], str]:
     """What a run would skip and why: as plain values with its sentences, and as lines."""
     from harness.engines import REGISTRY, load
-    from harness.model.run import to_plain
+    from harness.model import to_plain
     from harness.statics.plan import plan
 
     scene, names = asked_scene(scene_file, asked, target)
@@ -140,8 +139,7 @@ def compare(
 ) -> None:
     """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
     from harness.comparison.scores.pointwise import Measured
-    from harness.model.finding import info
-    from harness.model.run import to_plain
+    from harness.model import info, to_plain
     from harness.records.base import option_words
     from reports.terminal import wrapped
     from reports.text.wording import scores_text
@@ -219,7 +217,7 @@ def compared_scenes(
 def engines(as_json: JsonOnly = False) -> None:
     """List the engines: what each computes, and whether it runs here."""
     from harness.engines import REGISTRY, load
-    from harness.model.run import to_plain
+    from harness.model import to_plain
 
     rows = [
         to_plain({"engine": name, "missing": engine.missing(), **asdict(engine.capabilities), "order": engine.order})
@@ -299,7 +297,7 @@ def asked_scene(scene_file: Path, asked: EngineOptions, target: TargetOptions) -
 
 def options_without(no_skip: Sequence[str] | None) -> RunOptions:
     """The options of a run without the skips that `--no-skip` names. Raises `InputError` for a name that is no skip."""
-    from harness.model.run import SKIPS, RunOptions
+    from harness.model import SKIPS, RunOptions
 
     off = no_skip or ()
     for name in off:

@@ -16,10 +16,7 @@ from typing import Any, Final
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
 from harness.input.tables import kind_of
-from harness.model.errors import InputError, require
-from harness.model.files import FRESH, check_own, checksum, is_sealed
-from harness.model.finding import Say, caution
-from harness.model.scene import Scene
+from harness.model import FRESH, InputError, Say, Scene, caution, check_own, checksum, is_sealed, require
 from harness.questions.assess import assessment
 from harness.questions.assess.model_draws import as_coefficients
 from harness.questions.assess.options import read_options

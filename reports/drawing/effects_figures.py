@@ -8,8 +8,7 @@ from typing import Any, Final
 import numpy as np
 from markupsafe import Markup
 
-from harness.model.history import Array
-from harness.model.scene import rotations
+from harness.model import Array, rotations
 from harness.records.effects3d import BASELINE, EffectsRecord
 from reports.charts import Json
 from reports.charts.figure import (

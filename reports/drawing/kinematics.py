@@ -11,8 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.model.history import Array, History
-from harness.model.scene import SOLID_COLUMNS, Pedestal, centroid_shift_m, rotations
+from harness.model import SOLID_COLUMNS, Array, History, Pedestal, centroid_shift_m, rotations
 from harness.records.scene import SceneRecord
 
 

@@ -12,8 +12,7 @@ import numpy as np
 from jinja2 import Template
 from markupsafe import Markup
 
-from harness.model.history import Array, Outcome
-from harness.model.scene import SOLID_COLUMNS
+from harness.model import SOLID_COLUMNS, Array, Outcome
 from harness.records.assess import ClearanceRecord
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.charts.figure import FLOOR_COLOUR, HAIRLINE, INK, MUTED, PEDESTAL_COLOUR

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Array
+from harness.model import Array
 from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
 from meshes.solid import Solid
 from reports.charts.figure import MUTED

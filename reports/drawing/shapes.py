@@ -13,7 +13,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import ArrayLike
 
-from harness.model.history import Array
+from harness.model import Array
 
 
 def element(name: str, attributes: Mapping[str, str], inside: str = "") -> str:

@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.model.errors import check_known, require
-from harness.model.files import check_own, writing
-from harness.model.history import Array, History
+from harness.model import Array, History, check_known, check_own, require, writing
 from harness.records.scene import SceneRecord
 from reports.charts.drawn import svg
 from reports.charts.figure import HAIRLINE, INK, MUTED, across, axis, figure, look, marks, named

@@ -10,8 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
-from harness.model.errors import InputError, Mistake, check_known, require, required
-from harness.model.files import check_own, writing
+from harness.model import InputError, Mistake, check_known, check_own, require, required, writing
 from harness.records.base import Record
 from harness.records.effects3d import EffectsRecord
 from harness.records.result_folder import read_result

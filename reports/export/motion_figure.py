@@ -7,7 +7,7 @@ from typing import Final
 from harness.input.motions.inspect import DAMPING, PERIODS_S, MotionInspection, in_g
 from harness.input.motions.recordfile import displacement_m, velocity_m_s
 from harness.input.motions.spectra import arias_share
-from harness.model.errors import printable
+from harness.model import printable
 from reports.charts import Json
 from reports.charts.figure import (
     LOOKING,

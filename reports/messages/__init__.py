@@ -14,8 +14,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final
 
-from harness.model.errors import check_known, printable
-from harness.model.finding import Finding
+from harness.model import Finding, check_known, printable
 
 FOLDER: Final = Path(__file__).parent
 LANGUAGES: Final = tuple(sorted(file.stem for file in FOLDER.glob("*.toml")))

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.input.uncertain import assumption
-from harness.model.scene import Uncertain
+from harness.model import Uncertain
 from harness.questions.assess.answer import CLEAR, clearance
 from harness.questions.assess.probability import MODEL
 from harness.questions.assess.sensitivity import LEAST_DRAWS

@@ -13,8 +13,7 @@ from typing import Any, Final
 from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from harness.model.errors import printable_lines
-from harness.model.run import to_plain
+from harness.model import printable_lines, to_plain
 from meshes import text_cache
 from reports.charts import Json
 from reports.charts.drawn import packed_data, still

@@ -10,9 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Array, Outcome
-from harness.model.run import number
-from harness.model.run_set import grouped
+from harness.model import Array, Outcome, grouped, number
 from harness.records.assess import CONTRADICTED, MOSTLY, Assessment, worst
 from harness.records.effects3d import EffectsRecord
 from harness.records.run import STILL_RAD, RunRecord, own_moves, tips_s, unconfirmed

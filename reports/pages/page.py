@@ -7,8 +7,7 @@ from typing import Final
 
 from markupsafe import Markup
 
-from harness.model.errors import InputError, Mistake, printable
-from harness.model.files import write_text
+from harness.model import InputError, Mistake, printable, write_text
 from harness.records.base import REWRITE, Record
 from harness.records.result_folder import RECORD, read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk

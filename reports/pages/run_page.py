@@ -6,9 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.history import Array, History
-from harness.model.run import MANY, RUN_FIELDS, Run
-from harness.model.scene import SOLID_COLUMNS
+from harness.model import MANY, RUN_FIELDS, SOLID_COLUMNS, Array, History, Run
 from harness.records.run import RunRecord, balance_share, outside_domain
 from harness.records.scene import MotionRecord, SceneRecord
 from reports.blocks import (

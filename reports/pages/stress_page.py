@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from harness.model.run_set import grouped
+from harness.model import grouped
 from harness.records.bench import HardRow, Measure, StressRecord
 from harness.records.bench import StabilityCell as Found
 from reports.blocks import (

@@ -4,7 +4,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Final
 
-from harness.model.run_set import grouped
+from harness.model import grouped
 from harness.records.run import in_domain
 from harness.records.study import ClaimVerdict, StudyRecord, StudyRow
 from reports.blocks import (

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.comparison.statistics import FELL
-from harness.model.finding import info
+from harness.model import info
 from harness.records.scores import Scores
 from harness.records.scores import Verdict as Verdicts
 from harness.records.validation import PairScores, TestRow, ValidationRecord

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, Self
 
-from harness.model.run_set import grouped
+from harness.model import grouped
 from harness.records.study import CaseRun, StudyRow, Value
 from reports.messages import Language
 

@@ -9,9 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.model.finding import Finding, info
-from harness.model.history import Array
-from harness.model.run_set import grouped
+from harness.model import Array, Finding, grouped, info
 from harness.records.run import falls
 from harness.records.scene import PushRecord, SceneRecord
 from harness.records.study import CaseRun, StudyRecord, SupportRecord

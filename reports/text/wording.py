@@ -7,10 +7,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from harness.model.finding import Finding, info
-from harness.model.history import History, Outcome
-from harness.model.run import Run, RunRow, number
-from harness.model.run_set import grouped
+from harness.model import Finding, History, Outcome, Run, RunRow, grouped, info, number
 from harness.records.assess import Assessment
 from harness.records.run import SLIDES_M, UNKNOWN, RunRecord, left_early, peak_slip_m
 from harness.records.scores import AfterHorizon, Scores

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from harness.model.errors import InputError
+from harness.model import InputError
 from meshes import MeshError
 from tests.fuzz.mutate import mutated
 from tests.fuzz.originals import Kind, kinds, prepare

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from harness.input.motions.recordfile import RecordFile
-from harness.model.errors import InputError, Mistake
+from harness.model import InputError, Mistake
 from tests.fuzz.fuzz_run import Tried, attempt, rows
 from tests.fuzz.mutate import (
     BINARY,

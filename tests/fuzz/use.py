@@ -27,8 +27,7 @@ from harness.input.motions.inspect import inspect_file
 from harness.input.motions.readers import read_record
 from harness.input.tables import read_model
 from harness.input.text_file import decoded
-from harness.model.history import history_file
-from harness.model.run import write_json
+from harness.model import history_file, write_json
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.questions.effects3d.search import changed_scene
 from harness.questions.effects3d.study import EffectsFile

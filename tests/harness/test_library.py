@@ -22,9 +22,7 @@ import trimesh
 import harness
 from analytic.excitation import Harmonic
 from harness import Outcome, engines
-from harness.model.finding import Shown
-from harness.model.run_set import RunSet, column_of
-from harness.model.scene import BaseExcitation
+from harness.model import BaseExcitation, RunSet, Shown, column_of
 from harness.questions.scene.scene_run import write_result
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from harness.runs.task import scene_key

@@ -9,8 +9,7 @@ from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import Engine
-from harness.model.run import Run, RunOptions
-from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue
+from harness.model import BaseExcitation, Contact, Form, Pedestal, Run, RunOptions, Scene, Statue
 
 REFERENCE_STEP_DIVISOR: Final = 5.0
 """The run that stands for the truth has a step this many times finer than the finest of the target's own two."""

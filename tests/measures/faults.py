@@ -8,7 +8,7 @@ import numpy as np
 
 from harness import Run, Scene, Verdict, compare
 from harness.comparison.comparator import COVERAGE, left_domain
-from harness.model.history import pair
+from harness.model import pair
 
 MUST_SHOW: Final = COVERAGE + 1.0
 """An effect above this multiple of the joint uncertainty must be found (see `harness.comparison.comparator.COVERAGE`)."""

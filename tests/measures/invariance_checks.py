@@ -18,7 +18,7 @@ from analytic.excitation import SampledAcceleration
 from harness import Run, RunOptions, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from harness.questions.bench import hard_scenes
 from harness.questions.bench.hard_scenes import ALL, CONTACT, leaning, solution
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of

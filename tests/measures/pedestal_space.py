@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from harness.accuracy.simulation import simulate
-from harness.model.scene import BaseExcitation, Contact, Pedestal, Scene
+from harness.model import BaseExcitation, Contact, Pedestal, Scene
 from meshes.footprint import reach_m
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import command_line, measured, seeds_of

@@ -13,7 +13,7 @@ from typing import Final
 
 from harness import assess, load_scene
 from harness.input.tables import read_model
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from harness.questions.assess.model_draws import draws_of, model_draws, uncertain_inputs, varied
 from harness.questions.assess.options import OptionDraws, compare, in_plane, options_of
 from harness.questions.assess.probability import RUN_DRAWS, assess_models

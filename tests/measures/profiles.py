@@ -15,8 +15,7 @@ from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness import Run, RunOptions, engines
 from harness.comparison.scores.pointwise import errors
 from harness.input.mesh_statue import statue_of
-from harness.model.scene import BaseExcitation, Contact, Form, Initial, Scene, Statue
-from harness.model.two_block import block_of
+from harness.model import BaseExcitation, Contact, Form, Initial, Scene, Statue, block_of
 from meshes.solid import solid_from_mesh
 from tests.measures.pages import renew, table
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from harness.engines.pybullet import shapes
 from harness.engines.stepping import frame
-from harness.model.scene import Scene
+from harness.model import Scene
 
 Array = NDArray[np.float64]
 

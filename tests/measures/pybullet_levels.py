@@ -13,8 +13,7 @@ from typing import Final
 
 from harness.comparison.scores.pointwise import errors
 from harness.engines import load
-from harness.model.run import SKIPS, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import SKIPS, Run, RunOptions, Scene
 from harness.questions.bench.standard_scenes import resolved, standard_set
 from tests.measures.contact_engines import KINDS, PAPER, paper_scene
 from tests.measures.pages import renew, table

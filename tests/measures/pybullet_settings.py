@@ -24,9 +24,7 @@ from harness.engines.stepping.frame import Schedule
 from harness.engines.stepping.loop import Watch, integrate
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
-from harness.model.history import Array, History
-from harness.model.run import RunOptions
-from harness.model.scene import Pedestal, Scene
+from harness.model import Array, History, Pedestal, RunOptions, Scene
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.pages import renew_tables
 from tests.measures.pages import table as page_table

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from harness.engines.pymunk.world import rotated
 from harness.engines.stepping import frame
-from harness.model.scene import Scene
+from harness.model import Scene
 
 Array = NDArray[np.float64]
 

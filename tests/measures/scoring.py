@@ -10,7 +10,7 @@ import numpy as np
 
 from harness.comparison.comparator import compare
 from harness.comparison.scores import pointwise as iso
-from harness.model.history import pair
+from harness.model import pair
 from tests.doubles import rocking
 
 PAIRS: Final = 1000

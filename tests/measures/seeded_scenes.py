@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness.model.scene import BaseExcitation, Contact, Pedestal, Scene, Statue
+from harness.model import BaseExcitation, Contact, Pedestal, Scene, Statue
 from meshes.footprint import reach_m
 from tests.measures.coverage import DURATION_S, block, random_scene, seeded
 

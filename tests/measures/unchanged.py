@@ -14,7 +14,7 @@ import numpy as np
 from harness import Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
-from harness.model.run import SKIPS, Run, RunOptions
+from harness.model import SKIPS, Run, RunOptions
 from harness.questions.bench.skips import difference
 from tests.measures.pages import renew, table
 from tests.measures.seeded_scenes import random_scene

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.model.errors import InputError
+from harness.model import InputError
 from meshes import MeshError, Solid
 from meshes.beside import attached_beside
 from meshes.mesh import RawMesh

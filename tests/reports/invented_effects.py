@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 import harness
-from harness.model.history import Outcome
-from harness.model.run import machine, versions, write_json
+from harness.model import Outcome, machine, versions, write_json
 from harness.questions.effects3d.search import turned
 from harness.questions.effects3d.study import answer_of, effects, findings_of, static_rose
 from harness.questions.scene.scene_run import run_scene, write_result

@@ -9,8 +9,8 @@ import numpy as np
 from harness import Outcome, assess, compare, compare_files, load_scene
 from harness.comparison.history_files import write_comparison as write_comparison_of
 from harness.comparison.statistics import FELL, Prediction, fit_fragility, score_outcomes
+from harness.model import Answer, info
 from harness.model import run as record
-from harness.model.finding import Answer, info
 from harness.questions.study.cases import BaseScene
 from harness.questions.trust.plane import Plane
 from harness.questions.trust.trust_run import answer_of, findings_of, saved_by

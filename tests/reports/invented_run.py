@@ -9,10 +9,21 @@ from typing import Any
 import numpy as np
 
 from analytic.excitation import Harmonic
-from harness.model.finding import caution, info
-from harness.model.history import History, Outcome
-from harness.model.run import Pattern, Run
-from harness.model.scene import BaseExcitation, Contact, Form, Pedestal, Scene, Statue, Wall
+from harness.model import (
+    BaseExcitation,
+    Contact,
+    Form,
+    History,
+    Outcome,
+    Pattern,
+    Pedestal,
+    Run,
+    Scene,
+    Statue,
+    Wall,
+    caution,
+    info,
+)
 from harness.questions.scene.scene_run import Result, write_result
 from harness.records.scores import Evidence, Scores, Verdict
 from harness.statics.plan import Step

@@ -13,8 +13,7 @@ import pytest
 
 from harness import Outcome, read_result
 from harness.comparison.statistics import score_outcomes, wilson
-from harness.model.finding import Answer, caution, info
-from harness.model.run import write_json
+from harness.model import Answer, caution, info, write_json
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.study_record import answer_of, findings_of
 from harness.questions.validate.validation_run import answer_of as validation_answer

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from harness import InputError, RunRecord, StudyRecord, read_result
-from harness.model.run import PatternName, write_json
+from harness.model import PatternName, write_json
 from harness.records.base import Record, as_file
 from harness.records.bench import StressRecord
 from reports.blocks import Chart, walk

@@ -10,7 +10,7 @@ import pytest
 
 from harness import Outcome, RunRecord
 from harness.input.motions.inspect import inspect_file
-from harness.model.finding import caution, changes_answer, info, texted
+from harness.model import caution, changes_answer, info, texted
 from harness.records.scores import Verdict
 from reports.messages import ENGLISH
 from reports.terminal import COLUMNS, LINES, motion_lines, record_lines, table

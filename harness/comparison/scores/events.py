@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.comparison.statistics import area_metric, compare_distributions, ks_distance
-from harness.model.history import Array, History, Pair
+from harness.model import Array, History, Pair
 from harness.records.scores import AfterHorizon, Apart, PeaksApart
 
 # Two histories beyond the horizon, where no instant of one can be asked of the other: their distributions.

@@ -8,10 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.errors import require, translated
-from harness.model.finding import Finding, caution, info
-from harness.model.history import Array, History, Pair, first_beyond_s
-from harness.model.run import Run
+from harness.model import Array, Finding, History, Pair, Run, caution, first_beyond_s, info, require, translated
 from harness.records.scores import ComparisonError, IsoRating
 
 # How far two runs are apart.

@@ -22,10 +22,7 @@ from harness.engines.pybullet.settings import BulletSettings
 from harness.engines.stepping.coulomb import stuck_below_m_s
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
-from harness.model.finding import Finding, caution, changes_answer
-from harness.model.history import Array
-from harness.model.run import Capabilities, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Array, Capabilities, Finding, Run, RunOptions, Scene, caution, changes_answer
 
 if TYPE_CHECKING:
     from harness.engines.pybullet.pose import Setup

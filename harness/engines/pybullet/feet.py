@@ -16,8 +16,7 @@ from scipy.spatial import ConvexHull
 from harness.engines.stepping.contact_gaps import past_edge_m
 from harness.engines.stepping.frame import matrices
 from harness.engines.stepping.step_log import ALONE, Row
-from harness.model.history import Array
-from harness.model.scene import OVERTURN_RAD, Statue
+from harness.model import OVERTURN_RAD, Array, Statue
 
 # When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's plane beside it.
 #

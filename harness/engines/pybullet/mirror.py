@@ -13,8 +13,7 @@ from typing import Final, Literal
 import numpy as np
 
 from harness.engines.pybullet.settings import BulletSettings
-from harness.model.history import Array
-from harness.model.scene import Scene
+from harness.model import Array, Scene
 from harness.statics.plan import SAME, asymmetry
 
 TURN_RAD: Final = 0.25 * math.pi

@@ -23,8 +23,7 @@ from harness.engines.stepping.frame import Schedule, greatest_pull_m_s2, step_co
 from harness.engines.stepping.loop import LOOK_STEPS, WallWatch, Watch, plain_steps, refuse_steering
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.engines.stepping.step_log import StepLog
-from harness.model.run import Capabilities, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Capabilities, Run, RunOptions, Scene
 
 if TYPE_CHECKING:
     from harness.engines.pybullet.pose import Setup

@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 from harness.engines.pybullet import feet, mirror
 from harness.engines.pybullet.feet import Rest
 from harness.engines.stepping.step_log import Row, Vector
-from harness.model.history import Array
-from harness.model.scene import Scene, Statue
+from harness.model import Array, Scene, Statue
 
 
 @dataclass(frozen=True, eq=False)

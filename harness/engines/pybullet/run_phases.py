@@ -17,8 +17,7 @@ from harness.engines.stepping.frame import Schedule, greatest_pull_m_s2, step_co
 from harness.engines.stepping.loop import MOST_FREE, SETTLE_STEPS, RestSpells, WallWatch, Watch
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
-from harness.model.run import RunOptions
-from harness.model.scene import Scene
+from harness.model import RunOptions, Scene
 from harness.statics.plan import LimitsOfRest, first_motion_s
 
 LOOK_AHEAD_STEPS: Final = MOST_FREE + 4

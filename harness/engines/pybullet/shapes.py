@@ -12,8 +12,7 @@ import pybullet
 
 from harness.engines.base import EngineFailure
 from harness.engines.pybullet.feet import CACHED_STATUES, hull_vertices
-from harness.model.history import Array
-from harness.model.scene import Pedestal, Scene, Statue
+from harness.model import Array, Pedestal, Scene, Statue
 from harness.statics.plan import shape_needed
 from meshes.collision import thinned
 

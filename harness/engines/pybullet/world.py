@@ -17,8 +17,7 @@ from harness.engines.pybullet import mirror, shapes
 from harness.engines.pybullet.pose import Setup
 from harness.engines.pybullet.settings import REFERENCE_DT_S, BulletSettings
 from harness.engines.stepping.step_log import ALONE, Row, Vector
-from harness.model.history import Array
-from harness.model.scene import Pedestal, Scene
+from harness.model import Array, Pedestal, Scene
 
 # What Bullet's solver is told: every parameter of a world, and what the length of a step or a rest asks of it.
 

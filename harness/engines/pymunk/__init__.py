@@ -27,8 +27,7 @@ from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajec
 from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
 from harness.engines.stepping.support import flat_base
-from harness.model.run import Capabilities, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Capabilities, Run, RunOptions, Scene
 from harness.statics.plan import first_motion_s
 
 LEVELS: Final = (

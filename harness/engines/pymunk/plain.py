@@ -18,8 +18,7 @@ from harness.engines.stepping.frame import Schedule, step_count
 from harness.engines.stepping.loop import WallWatch, Watch, plain_steps, refuse_steering
 from harness.engines.stepping.reduce import Report, reduce_trajectory
 from harness.engines.stepping.step_log import StepLog
-from harness.model.run import Capabilities, Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Capabilities, Run, RunOptions, Scene
 
 LEVELS: Final = (
     (2e-3, 200, 1e-2),

@@ -14,8 +14,7 @@ import numpy as np
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import State
 from harness.engines.stepping.step_log import Ledger
-from harness.model.history import Array
-from harness.model.scene import Scene
+from harness.model import Array, Scene
 from meshes.footprint import lower_chain
 
 Pair = tuple[float, float]

@@ -12,8 +12,7 @@ from pymunk._chipmunk_cffi import ffi, lib
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.stepping.step_log import Impulse
 from harness.engines.stepping.support import FLAT_M, pedestal_inertia_kg_m2
-from harness.model.history import Array
-from harness.model.scene import Pedestal, Pose, Scene
+from harness.model import Array, Pedestal, Pose, Scene
 
 # Chipmunk's own functions, called without pymunk's Python layer around each step.
 #

@@ -12,8 +12,7 @@ import numpy as np
 from harness.engines.stepping import frame
 from harness.engines.stepping.frame import matrices, planar, statue_columns
 from harness.engines.stepping.step_log import StepLog
-from harness.model.history import Array
-from harness.model.scene import Scene, centroid_shift_m
+from harness.model import Array, Scene, centroid_shift_m
 
 # What a contact engine's loop recorded, before it becomes a run.
 

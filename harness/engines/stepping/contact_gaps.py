@@ -9,8 +9,7 @@ import numpy as np
 from harness.engines.stepping import settings
 from harness.engines.stepping.frame import greatest_pull_m_s2, matrices
 from harness.engines.stepping.step_log import Row, Vector
-from harness.model.history import Array
-from harness.model.scene import Scene
+from harness.model import Array, Scene
 
 Four = tuple[float, float, float, float]
 

@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 from harness.engines.base import LayerFault
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.support import Impulses
-from harness.model.history import Array
-from harness.model.run import Intervention
-from harness.model.scene import Contact, Scene
+from harness.model import Array, Contact, Intervention, Scene
 
 # Two coefficients of friction in an engine that knows one.
 #

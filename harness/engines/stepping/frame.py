@@ -17,8 +17,7 @@ import numpy as np
 from analytic.block import rotation_matrices
 from analytic.excitation import ZeroExcitation
 from harness.engines.stepping.step_log import Vector
-from harness.model.history import Array
-from harness.model.scene import OVERTURN_RAD, Scene, Statue
+from harness.model import OVERTURN_RAD, Array, Scene, Statue
 
 # What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any direction.
 

@@ -17,8 +17,7 @@ from harness.engines.stepping.frame import SAME_INSTANT, Schedule, fallen, great
 from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, base_velocity
 from harness.engines.stepping.step_state import Backend, ContactTimeEstimate, HalfCycle, Stepper, StepState
 from harness.engines.stepping.support import wall_touch
-from harness.model.history import Array
-from harness.model.scene import Scene
+from harness.model import Array, Scene
 from harness.statics.plan import LimitsOfRest
 
 # The model's impact map on both bodies, to be imposed in a contact engine (docs/model.md, sections 3 and 4).

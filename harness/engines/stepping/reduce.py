@@ -16,11 +16,27 @@ from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.coulomb import check_friction, friction_is_known
 from harness.engines.stepping.frame import OVERTURN_COS
 from harness.engines.stepping.support import Corners, plain_spells
-from harness.model.finding import Finding, caution
-from harness.model.history import Array, History, Outcome, hermites, output_grid
-from harness.model.run import Intervention, Pattern, PatternName, Run, number
-from harness.model.scene import OVERTURN_RAD, Pedestal, Scene, Statue, rotations
-from harness.model.two_block import block_of, keywords
+from harness.model import (
+    OVERTURN_RAD,
+    Array,
+    Finding,
+    History,
+    Intervention,
+    Outcome,
+    Pattern,
+    PatternName,
+    Pedestal,
+    Run,
+    Scene,
+    Statue,
+    block_of,
+    caution,
+    hermites,
+    keywords,
+    number,
+    output_grid,
+    rotations,
+)
 from harness.statics.standstill import tipping_of_pedestal
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from typing import Final
 import numpy as np
 
 from harness.engines.base import LayerFault
-from harness.model.history import Array
-from harness.model.run import Intervention
+from harness.model import Array, Intervention
 
 # Rows of numbers: places, rotations and velocities of statue and pedestal at one instant, as the layer keeps them.
 

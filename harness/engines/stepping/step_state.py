@@ -32,8 +32,7 @@ from harness.engines.stepping.step_log import (
     crossed,
 )
 from harness.engines.stepping.support import pedestal_inertia_kg_m2
-from harness.model.history import Array
-from harness.model.scene import Scene
+from harness.model import Array, Scene
 
 
 class Backend(Protocol):

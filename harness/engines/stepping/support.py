@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.stepping.columns import Trajectory
-from harness.model.history import Array
-from harness.model.scene import Pedestal, Scene
+from harness.model import Array, Pedestal, Scene
 
 # Where the contact is the one that events are located for: a statue that turns about a corner at rest on an upright pedestal.
 # Elsewhere steps are those of any loop, and errors fall at first order: of events inside them only a foot that comes down while

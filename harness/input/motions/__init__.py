@@ -22,8 +22,7 @@ from harness.input.motions.spec import (
     SamplesSpec,
     SpectrumSpec,
 )
-from harness.model.errors import require
-from harness.model.finding import Finding, info
+from harness.model import Finding, info, require
 
 if TYPE_CHECKING:
     from harness.input.motions.spectra import DesignSpectrum

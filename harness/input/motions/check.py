@@ -17,8 +17,7 @@ from harness.input.motions.recordfile import (
     mistake,
     velocity_m_s,
 )
-from harness.model.errors import require
-from harness.model.finding import Finding, caution, info
+from harness.model import Finding, caution, info, require
 
 LARGEST_PEAK_G: Final = 10.0
 """No free-field accelerogram has exceeded about 4 g (Iwate 2008): above 10 g the unit is wrong."""

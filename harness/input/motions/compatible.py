@@ -13,7 +13,7 @@ import numpy as np
 from harness.input.motions import oscillator
 from harness.input.motions.recordfile import Floats, Series, at_rest
 from harness.input.motions.spectra import DesignSpectrum
-from harness.model.finding import info
+from harness.model import info
 
 BAND_S: Final = (0.05, 2.0)
 """Periods between which the misfit is promised."""

@@ -13,8 +13,7 @@ from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Floats, Layout, Series
 from harness.input.motions.records import aligned
 from harness.input.motions.spectra import DesignSpectrum, Measures, measures
-from harness.model.finding import Finding, Say, info, texted
-from harness.model.run import SCHEMA_VERSION, to_plain
+from harness.model import SCHEMA_VERSION, Finding, Say, info, texted, to_plain
 
 DAMPING: Final = 0.05
 PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)

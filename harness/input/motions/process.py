@@ -23,8 +23,7 @@ from harness.input.motions.recordfile import (
 )
 from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, peak_velocity_m_s
-from harness.model.errors import require
-from harness.model.finding import Finding, caution, info
+from harness.model import Finding, caution, info, require
 
 # The building's filter: the acceleration of a floor from that of the ground, by one or several oscillators.
 #

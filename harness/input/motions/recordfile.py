@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import SampledAcceleration
 from harness.input.text_file import FOREIGN, UTF16_MARKS, decoded, fortran
-from harness.model.errors import InputError, Mistake, require, required
-from harness.model.finding import Finding
+from harness.model import Finding, InputError, Mistake, require, required
 
 # Directions of recorded channels, from the many ways in which networks write them.
 

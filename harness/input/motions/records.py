@@ -13,8 +13,7 @@ from harness.input.motions import process
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, mistake, parse_orientation
 from harness.input.motions.spec import Source
-from harness.model.errors import require
-from harness.model.finding import Finding, info
+from harness.model import Finding, info, require
 
 ROUNDING: Final = 1e-12
 """Of a record's peak: what treating samples that are alike leaves of them."""

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from harness.model.finding import Answer, Finding, caution, info
+from harness.model import Answer, Finding, caution, info
 from harness.questions.assess.clearance import PLANAR_DEG
 from harness.questions.assess.probability import MODEL
 from harness.records.assess import (

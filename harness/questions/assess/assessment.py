@@ -17,10 +17,7 @@ from numpy.typing import NDArray
 
 from harness import engines
 from harness.accuracy.forecast import START_S, Range, first_settings, moving_s, timed_step_s
-from harness.model.errors import require, required
-from harness.model.finding import Axes, Shown, new_axes
-from harness.model.run import machine, versions
-from harness.model.scene import Scene, Uncertain, must_be_scene
+from harness.model import Axes, Scene, Shown, Uncertain, machine, must_be_scene, new_axes, require, required, versions
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.clearance import of_engine, of_model, of_space, rest_outline_m
 from harness.questions.assess.model_draws import (

@@ -8,9 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.model import SOLID_COLUMNS, Outcome, Scene, Statue, rotations, support_m
 from harness.model import two_block as twoblock
-from harness.model.history import Outcome
-from harness.model.scene import SOLID_COLUMNS, Scene, Statue, rotations, support_m
 from harness.questions.assess.model_draws import SLOW_DRAWS, Array, ModelDraws, row, sweepable, varied
 from harness.records.assess import ClearanceByModel
 from meshes.footprint import convex_hull

@@ -17,10 +17,8 @@ from harness import engines
 from harness.accuracy.horizon import amplified
 from harness.engines import stands_alone
 from harness.input.uncertain import assumption
+from harness.model import InputError, Mistake, Run, RunOptions, Scene, Uncertain, require, written
 from harness.model import two_block as twoblock
-from harness.model.errors import InputError, Mistake, require
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene, Uncertain, written
 
 # What a scene does not know, and seeded draws of it.
 

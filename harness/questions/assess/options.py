@@ -16,8 +16,7 @@ from pydantic import Field
 from harness.input.mistakes import UserTable
 from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
-from harness.model.errors import InputError, Mistake, require
-from harness.model.scene import Contact, Scene, Uncertain, scan_azimuth_deg, written
+from harness.model import Contact, InputError, Mistake, Scene, Uncertain, require, scan_azimuth_deg, written
 from harness.questions.assess.model_draws import (
     KINETIC,
     LEAST_SHARE,

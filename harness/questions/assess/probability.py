@@ -20,9 +20,7 @@ from harness import engines
 from harness.accuracy.refinement import first_level
 from harness.comparison.statistics import wilson
 from harness.engines.base import Engine, EngineFailure
-from harness.model.history import Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Outcome, Run, RunOptions, Scene
 from harness.questions.assess.clearance import Ints, reach_m
 from harness.questions.assess.model_draws import (
     ENGINE_ERROR_RAD,

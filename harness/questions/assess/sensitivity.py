@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.comparison.statistics import wilson
-from harness.model.scene import Scene, Uncertain
+from harness.model import Scene, Uncertain
 from harness.questions.assess.model_draws import (
     SPACE,
     Array,

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
-from harness.model.finding import Answer, caution
+from harness.model import Answer, caution
 from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.parts import Measurement, Part
 from harness.questions.bench.precision import NOBODY, TARGET_RAD

@@ -13,9 +13,7 @@ from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad as difference_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
-from harness.model.history import Outcome
-from harness.model.run import SKIPS, Run, RunOptions, number
-from harness.model.scene import Scene
+from harness.model import SKIPS, Outcome, Run, RunOptions, Scene, number
 from harness.questions.bench.standard_scenes import COLUMN, EQUAL, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.records.bench import HardRow, KnownFailure, Measure
 

@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
+from harness.model import Say, require
 from harness.model import run as record
-from harness.model.errors import require
-from harness.model.finding import Say
 from harness.records import base
 from harness.records.bench import BenchRecord, PartRow, StressRecord
 from harness.records.result_folder import check_folder, full_kind, write_whole

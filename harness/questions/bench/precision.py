@@ -12,11 +12,7 @@ from harness.accuracy.horizon import by_model
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.errors import InputError
-from harness.model.finding import Finding, caution, info
-from harness.model.run import Run, RunOptions, number
-from harness.model.run_set import grouped
-from harness.model.scene import Scene
+from harness.model import Finding, InputError, Run, RunOptions, Scene, caution, grouped, info, number
 from harness.questions.bench.parts import Cost, costs, timed
 from harness.questions.bench.standard_scenes import Standard, standard_set
 from harness.records.bench import LEVEL, TARGET, LevelChoice, PrecisionRow

@@ -14,9 +14,7 @@ from typing import Final
 import numpy as np
 
 from harness.accuracy.simulation import simulate
-from harness.model.finding import Finding, info
-from harness.model.run_set import grouped
-from harness.model.scene import Scene
+from harness.model import Finding, Scene, grouped, info
 from harness.questions.bench.parts import cost, peak_memory_mb, processor_s
 from harness.questions.bench.skips import written_study
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
@@ -90,7 +88,7 @@ def _prism(vertices: int) -> Scene:
 def _ensemble(runs: int) -> Callable[[], object]:
     """So many outcomes of the analytic model, over amplitudes."""
     from analytic import ensemble
-    from harness.model.two_block import block_of
+    from harness.model import block_of
 
     scene = scene_of("many", {"duration_s": 10.0, "statue": COLUMN, "motion": harmonic(0.25, 2.0)})
     sweep = {"amplitude_m_s2": np.linspace(0.1, 0.5, runs) * scene.gravity_m_s2}

@@ -18,11 +18,7 @@ from harness import engines
 from harness.accuracy.refinement import first_level, run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import Engine, Settings
-from harness.model.errors import InputError
-from harness.model.finding import Finding, caution, info
-from harness.model.run import Run, RunOptions
-from harness.model.run_set import grouped
-from harness.model.scene import Scene
+from harness.model import Finding, InputError, Run, RunOptions, Scene, caution, grouped, info
 from harness.questions.bench.parts import cost, costs, timed
 from harness.questions.bench.standard_scenes import (
     COLUMN,

@@ -8,8 +8,7 @@ from typing import Any, Final
 
 from harness import engines
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Run, RunOptions, Scene
 from harness.questions.bench import hard_scenes as hard
 from harness.questions.bench.hard_scenes import ALL, SHAKEN, body, converged, leaning, solution
 from harness.questions.bench.parts import Measurement, Part

@@ -17,10 +17,7 @@ from harness.accuracy.simulation import simulate
 from harness.engines.spatial import LEVELS, problem_of
 from harness.input.mesh_statue import statue_of
 from harness.input.mistakes import UserTable
-from harness.model.errors import required, translated
-from harness.model.history import History, Outcome
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import History, Outcome, Run, RunOptions, Scene, required, translated
 from harness.records.effects3d import BASELINE, Amplitude, Departure, Doubt, Group
 from harness.statics.plan import limit_of_rest_m_s2
 from meshes import MeshError, Solid

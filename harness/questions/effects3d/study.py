@@ -18,12 +18,21 @@ from pydantic import Field, model_validator
 from harness.accuracy.horizon import amplified
 from harness.input.mistakes import UserTable, agree
 from harness.input.tables import read_model
+from harness.model import (
+    Answer,
+    Finding,
+    Outcome,
+    Say,
+    Scene,
+    caution,
+    changes_answer,
+    grouped,
+    info,
+    require,
+    scan_azimuth_deg,
+    written,
+)
 from harness.model import run as record
-from harness.model.errors import require
-from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.model.history import Outcome
-from harness.model.run_set import grouped
-from harness.model.scene import Scene, scan_azimuth_deg, written
 from harness.questions.effects3d.search import (
     CONDITIONS,
     EXACT,
@@ -189,7 +198,7 @@ def band(scene: Scene, azimuth_deg: float, search: Search, samples: int, seed: i
     Every statue has two corners (a ragged base counts as its outer ones). Raises `InputError`.
     """
     from analytic import Block, ensemble
-    from harness.model.two_block import keywords
+    from harness.model import keywords
 
     changed = changed_scene(scene, BASELINE, azimuth_deg)
     statue, unit = changed.statue, peak_g(changed)

@@ -7,11 +7,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from harness.model.finding import Answer, Finding, changes_answer, info
-from harness.model.history import Outcome
-from harness.model.run import Run, number
-from harness.model.run_set import grouped
-from harness.model.scene import Scene
+from harness.model import Answer, Finding, Outcome, Run, Scene, changes_answer, grouped, info, number
 from harness.records.assess import Assessment
 from harness.records.run import (
     STILL_RAD,

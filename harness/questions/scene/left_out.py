@@ -15,10 +15,7 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.comparison.comparator import CODES, compare
 from harness.comparison.scores.pointwise import errors
 from harness.engines.base import EngineFailure
-from harness.model import history
-from harness.model.finding import Finding, caution
-from harness.model.run import Run, RunOptions
-from harness.model.scene import Scene
+from harness.model import Finding, Run, RunOptions, Scene, caution, history
 from harness.records.scores import ROBUST, Evidence, Scores, Verdict
 
 LEAST: Final = 1e-9

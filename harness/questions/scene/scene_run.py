@@ -15,10 +15,23 @@ from harness.accuracy.simulation import RunTarget, check_target, failed, simulat
 from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure
 from harness.input.paths import read_files
-from harness.model.finding import Answer, Finding, Say, caution, info, weighed
-from harness.model.history import Outcome, history_file
-from harness.model.run import SKIPS, Run, RunOptions, machine, versions
-from harness.model.scene import Scene, must_be_scene
+from harness.model import (
+    SKIPS,
+    Answer,
+    Finding,
+    Outcome,
+    Run,
+    RunOptions,
+    Say,
+    Scene,
+    caution,
+    history_file,
+    info,
+    machine,
+    must_be_scene,
+    versions,
+    weighed,
+)
 from harness.questions.scene.answer import answer_of
 from harness.questions.scene.left_out import TakenAway, explained, with_reasons
 from harness.questions.scene.witness import (

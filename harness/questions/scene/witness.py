@@ -20,9 +20,7 @@ from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import errors
 from harness.engines.analytic import by_other_impact
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.finding import Finding, caution, changes_answer, info
-from harness.model.run import Run, RunOptions, number
-from harness.model.scene import Scene
+from harness.model import Finding, Run, RunOptions, Scene, caution, changes_answer, info, number
 from harness.records.run import LEAST_S, PLAIN, DecidedBy, Judged, LawChoice, Witness, has_answer, outcome_family
 from harness.records.scores import ROBUST, Scores
 

@@ -14,8 +14,7 @@ from harness.accuracy.forecast import (
     run_s,
     worth_a_process,
 )
-from harness.model.errors import require
-from harness.model.scene import Scene
+from harness.model import Scene, require
 from harness.questions.scene.left_out import TAKEN_AWAY
 from harness.questions.scene.witness import BUDGET, plain_names
 from harness.records.run import PLAIN

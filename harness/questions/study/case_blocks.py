@@ -26,10 +26,7 @@ from harness.accuracy.refinement import first_level
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD, own_settings
-from harness.model.history import Outcome
-from harness.model.run import NUMBERS, to_plain
-from harness.model.run_set import column_of
-from harness.model.scene import BaseExcitation
+from harness.model import NUMBERS, BaseExcitation, Outcome, column_of, to_plain
 from harness.questions.study import case_selection as selection
 from harness.questions.study.cases import BaseScene, CaseScenes, StillScene, expand
 from harness.questions.study.file import StudyFile, Value

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from harness.model.run_set import grouped
+from harness.model import grouped
 from harness.questions.study.file import StudyFile
 from harness.records.study import RecheckRecord, StudyRow
 

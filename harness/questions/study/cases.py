@@ -21,9 +21,8 @@ from harness.input.mistakes import mistakes_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Motion
 from harness.input.tables import SceneFile
+from harness.model import BaseExcitation, InputError, Mistake, Scene
 from harness.model import two_block as twoblock
-from harness.model.errors import InputError, Mistake
-from harness.model.scene import BaseExcitation, Scene
 from harness.questions.study.file import Scatter, StudyFile, Value, Vary
 
 

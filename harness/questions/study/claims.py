@@ -12,9 +12,7 @@ from typing import Final
 import numpy as np
 
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.model.finding import Finding, info
-from harness.model.history import Outcome
-from harness.model.run_set import grouped
+from harness.model import Finding, Outcome, grouped, info
 from harness.records.run import in_domain
 from harness.records.study import CaseRun, ClaimAnswer, ClaimVerdict, StudyRow, Value
 

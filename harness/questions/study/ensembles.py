@@ -13,7 +13,7 @@ from harness.comparison.statistics import (
     compare_logarithms,
     score_outcomes,
 )
-from harness.model.history import History, Outcome, pair
+from harness.model import History, Outcome, pair
 from harness.questions.study.case_blocks import KeyedRow
 from harness.records.run import in_domain
 from harness.records.scores import Verdict

@@ -9,8 +9,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
-from harness.model.errors import require
-from harness.model.scene import Scene
+from harness.model import Scene, require
 from harness.questions.scene.witness import BUDGET
 from harness.questions.scene.workload import LONGEST_S
 from harness.questions.study.case_blocks import in_columns

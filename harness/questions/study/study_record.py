@@ -12,14 +12,21 @@ import numpy as np
 
 from harness.comparison.scores.events import excursions, lost_j
 from harness.input.tables import ContactTable
+from harness.model import (
+    NUMBERS,
+    RUN_FIELDS,
+    Answer,
+    Finding,
+    History,
+    Outcome,
+    Scene,
+    caution,
+    grouped,
+    info,
+    translated,
+    writing,
+)
 from harness.model import run as record
-from harness.model.errors import translated
-from harness.model.files import writing
-from harness.model.finding import Answer, Finding, caution, info
-from harness.model.history import History, Outcome
-from harness.model.run import NUMBERS, RUN_FIELDS
-from harness.model.run_set import grouped
-from harness.model.scene import Scene
 from harness.questions.study import claims
 from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.case_selection import recheck

@@ -20,10 +20,19 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simu
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.loop import refuse_steering
 from harness.input.overrides import plain
-from harness.model.errors import InputError, Mistake, require
-from harness.model.run import NUMBERS, RunOptions, to_plain, versions
-from harness.model.run_set import RunSet, run_set
-from harness.model.scene import Scene, must_be_scene
+from harness.model import (
+    NUMBERS,
+    InputError,
+    Mistake,
+    RunOptions,
+    RunSet,
+    Scene,
+    must_be_scene,
+    require,
+    to_plain,
+    versions,
+)
+from harness.model.run_set import run_set
 from harness.questions.scene.witness import findings_of, plain_names, witnesses
 from harness.questions.study import case_selection as selection
 from harness.questions.study.case_blocks import SweptRuns, block_tasks, in_columns

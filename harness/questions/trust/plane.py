@@ -13,8 +13,7 @@ from typing import Any, Final
 import numpy as np
 from pydantic import JsonValue
 
-from harness.model.errors import require
-from harness.model.scene import Scene
+from harness.model import Scene, require
 from harness.questions.study.cases import BaseScene
 from harness.questions.study.file import Value
 from harness.statics.plan import LimitsOfRest, limit_of_rest_m_s2

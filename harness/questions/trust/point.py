@@ -11,9 +11,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.horizon import TOLERANCE_RAD
-from harness.model.history import History, Outcome
-from harness.model.run import MOST_TIMES, Run, RunOptions, to_plain
-from harness.model.scene import Scene
+from harness.model import MOST_TIMES, History, Outcome, Run, RunOptions, Scene, to_plain
 from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
 from harness.questions.assess.probability import End, assess_models, end_of, estimate, run_of
 from harness.questions.scene.answer import counted

@@ -17,11 +17,22 @@ from harness.accuracy.forecast import run_s
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
-from harness.model.errors import InputError, check_known, require
-from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.model.run import MOST_TIMES, machine, versions
-from harness.model.run_set import grouped
-from harness.model.scene import Scene
+from harness.model import (
+    MOST_TIMES,
+    Answer,
+    Finding,
+    InputError,
+    Say,
+    Scene,
+    caution,
+    changes_answer,
+    check_known,
+    grouped,
+    info,
+    machine,
+    require,
+    versions,
+)
 from harness.questions.assess.probability import SAMPLE_S
 from harness.questions.assess.sensitivity import crossing
 from harness.questions.scene.workload import check as check_work

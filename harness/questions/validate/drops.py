@@ -16,11 +16,7 @@ from scipy.stats.qmc import LatinHypercube
 
 from harness import engines
 from harness.accuracy.simulation import simulate_with
-from harness.model.errors import require
-from harness.model.finding import Answer, Finding, caution, info
-from harness.model.history import Array
-from harness.model.run import RunOptions
-from harness.model.scene import Contact, Pose, Scene
+from harness.model import Answer, Array, Contact, Finding, Pose, RunOptions, Scene, caution, info, require
 from harness.questions.validate.jobs import Model
 from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown
 from harness.records.validation import Cell, MeasuredRecord, MeasuredTable

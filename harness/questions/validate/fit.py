@@ -14,8 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.model.history import Array
-from harness.model.run_set import grouped
+from harness.model import Array, grouped
 from harness.questions.validate.jobs import Drawn
 from harness.questions.validate.scenes import TrialVariant
 from harness.questions.validate.table import OF_BODY, Inputs, Trial

@@ -12,9 +12,7 @@ from typing import Final
 import numpy as np
 
 from analytic.closed_form import rectangle_ratio
-from harness.model.errors import Mistake, refuse
-from harness.model.finding import Answer, caution, info
-from harness.model.history import Array
+from harness.model import Answer, Array, Mistake, caution, info, refuse
 from harness.questions.validate.measured_set import MeasuredSet, Rows, read_groups
 from harness.records.validation import MeasuredRecord, MeasuredTable
 

@@ -10,11 +10,8 @@ from pydantic import JsonValue
 
 from harness import engines
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.model import Outcome, RunOptions, grouped, require
 from harness.model import run as record
-from harness.model.errors import require
-from harness.model.history import Outcome
-from harness.model.run import RunOptions
-from harness.model.run_set import grouped
 from harness.questions.validate.scenes import SHIFT_M, TrialVariant, digest_of, motion_of, scene_of
 from harness.questions.validate.table import Trial
 from harness.records.study import CaseRun

@@ -14,9 +14,7 @@ from harness import engines
 from harness.accuracy.simulation import RunTarget
 from harness.input.scene_file import load_scene
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import Mistake, refuse, require
-from harness.model.history import Array
-from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene
+from harness.model import Array, BaseExcitation, Contact, Initial, Mistake, Pose, Scene, refuse, require
 from harness.questions.validate.jobs import Model, parse_model
 from harness.records.validation import Cell, MeasuredRecord
 from harness.runs.runner import Pool

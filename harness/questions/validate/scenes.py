@@ -20,10 +20,20 @@ from harness.input.mesh_statue import statue_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import RecordSpec
 from harness.input.text_file import decimals, decoded, read_bytes
-from harness.model.errors import InputError, Mistake, require, required, translated
-from harness.model.history import Array
-from harness.model.run import Capabilities
-from harness.model.scene import BaseExcitation, Contact, Form, Scene, Statue
+from harness.model import (
+    Array,
+    BaseExcitation,
+    Capabilities,
+    Contact,
+    Form,
+    InputError,
+    Mistake,
+    Scene,
+    Statue,
+    require,
+    required,
+    translated,
+)
 from harness.questions.study.rocking_spectrum import RING_DOWN_S
 from harness.questions.validate.table import Inputs, Trial
 from harness.runs.task import scene_key

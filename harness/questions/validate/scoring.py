@@ -23,8 +23,7 @@ from harness.comparison.statistics import (
     score_outcomes,
     wilson,
 )
-from harness.model.history import Array, Outcome
-from harness.model.run_set import grouped
+from harness.model import Array, Outcome, grouped
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
 from harness.questions.validate.fit import Answers, FittedInputs, counted, fitted

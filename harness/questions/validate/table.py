@@ -13,9 +13,7 @@ from typing import Any, Final
 from harness.comparison.statistics import FELL
 from harness.input import paths
 from harness.input.text_file import decoded, numbers, read_bytes
-from harness.model.errors import InputError, Mistake, check_known, nearest, refuse, require
-from harness.model.history import Outcome
-from harness.model.run_set import grouped
+from harness.model import InputError, Mistake, Outcome, check_known, grouped, nearest, refuse, require
 
 LARGEST: Final = 1e6
 """Larger than any azimuth, density, friction, factor on a motion or duration of a test."""

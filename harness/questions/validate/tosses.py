@@ -20,10 +20,22 @@ from analytic import spatial
 from analytic.block import rotation_matrices
 from harness import engines
 from harness.accuracy.simulation import simulate_with
-from harness.model.errors import Mistake, refuse, require
-from harness.model.finding import Answer, Finding, caution, info
-from harness.model.history import Array, History
-from harness.model.scene import Contact, Pose, Scene, Statue, rotations
+from harness.model import (
+    Answer,
+    Array,
+    Contact,
+    Finding,
+    History,
+    Mistake,
+    Pose,
+    Scene,
+    Statue,
+    caution,
+    info,
+    refuse,
+    require,
+    rotations,
+)
 from harness.questions.validate.jobs import Model
 from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown
 from harness.records.validation import MeasuredRecord, MeasuredTable

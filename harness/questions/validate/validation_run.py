@@ -16,10 +16,20 @@ from harness.comparison.comparator import compare
 from harness.comparison.scores.pointwise import Measured
 from harness.input.history_file import read_history
 from harness.input.paths import read_files
+from harness.model import (
+    Answer,
+    Finding,
+    Mistake,
+    Say,
+    caution,
+    changes_answer,
+    grouped,
+    info,
+    read_each,
+    refuse,
+    require,
+)
 from harness.model import run as record
-from harness.model.errors import Mistake, read_each, refuse, require
-from harness.model.finding import Answer, Finding, Say, caution, changes_answer, info
-from harness.model.run_set import grouped
 from harness.questions.validate import drops, impact_ratios, tosses
 from harness.questions.validate.fit import Answers, Ask, choose, planned
 from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model

@@ -17,8 +17,7 @@ from harness.comparison.scores.pointwise import errors
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
-from harness.model.run import Capabilities, Run, RunOptions
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Capabilities, Run, RunOptions, Scene
 from harness.questions.bench.standard_scenes import scene_of
 from tests import budgets_engines as budget
 from tests import doubles

@@ -11,7 +11,7 @@ import pytest
 
 from harness import Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
-from harness.model.run import SKIPS, RunOptions
+from harness.model import SKIPS, RunOptions
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from tests import budgets_bench as budgets
 from tests import doubles

@@ -9,7 +9,7 @@ import pytest
 
 from harness import InputError, Outcome, Verdict, compare, compare_files
 from harness.input.history_file import resolution
-from harness.model.run import to_plain
+from harness.model import to_plain
 from reports.text.wording import after_horizon_values
 from tests import doubles
 from tests.budgets_compare import IMPACT_S, PEAK_RAD, ROUNDING_REL, UPLIFT_S, WORK_PAIR_SAMPLES
@@ -316,7 +316,7 @@ def test_an_empty_or_broken_file_is_an_error_that_names_it(tmp_path: Path, text:
 def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Speed is held by counting: each history is searched for excursions once, and no sample is interpolated on equal grids."""
     from harness.comparison.scores import events
-    from harness.model.history import History
+    from harness.model import History
 
     counts = {"excursions": 0, "slip_at": 0}
     real = events.excursions

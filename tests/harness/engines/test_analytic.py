@@ -10,9 +10,7 @@ from analytic import Harmonic, Pulse
 from harness import Outcome, Run, RunOptions
 from harness.engines.analytic import ACCURACIES_RAD, TwoBlock
 from harness.engines.base import EngineFailure, Settings
-from harness.model.finding import Severity
-from harness.model.scene import Form, Pedestal, Scene, Wall
-from harness.model.two_block import block_of, keywords
+from harness.model import Form, Pedestal, Scene, Severity, Wall, block_of, keywords
 from tests import doubles
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, PAESTUM_PEDESTAL, paestum, rectangle, scene
 

@@ -17,7 +17,7 @@ from analytic.excitation import Harmonic
 from harness import InputError, Outcome, Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine, EngineFailure, Settings
-from harness.model.run import SKIPS, Run, RunOptions
+from harness.model import SKIPS, Run, RunOptions
 from harness.records.base import plain
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene

@@ -11,7 +11,7 @@ from analytic.closed_form import housner_ratio, quarter_period_s
 from analytic.excitation import Harmonic, Pulse
 from harness import Outcome, Run, RunOptions, Scene
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.model.scene import BaseExcitation
+from harness.model import BaseExcitation
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_engines as budget
 from tests.engines_for_tests import WHOLE, apart, error, exact, ready, run, worst

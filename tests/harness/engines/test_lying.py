@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from harness import Outcome, Run, load_scene, simulate
-from harness.model.scene import OVERTURN_RAD
+from harness.model import OVERTURN_RAD
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready
 

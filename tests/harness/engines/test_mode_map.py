@@ -14,7 +14,7 @@ import pytest
 from analytic.excitation import Pulse
 from harness import Run, RunOptions, engines
 from harness.engines.base import Engine
-from harness.model.scene import Initial, Pose, Scene
+from harness.model import Initial, Pose, Scene
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import harness
 from harness.engines import load
-from harness.model.run import RunOptions
+from harness.model import RunOptions
 from tests import budgets_engines as budget
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from harness import RunOptions
 from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.base import Engine
 from harness.engines.stepping.coulomb import followed
-from harness.model.scene import Contact, Scene
+from harness.model import Contact, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import exact, ready, run
 from tests.scenes_for_tests import paestum

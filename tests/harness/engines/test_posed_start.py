@@ -12,7 +12,7 @@ from analytic import Harmonic
 from harness import InputError, Outcome, Run, RunOptions, assess, engines, load_scene
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.engines.base import Engine
-from harness.model.scene import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
+from harness.model import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
 from harness.questions.assess.probability import assess_models
 from tests import budgets_spatial as budget
 from tests.analytic.spatial.reference import initial_state, simulate

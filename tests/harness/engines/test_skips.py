@@ -12,7 +12,7 @@ import pytest
 from harness import Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
-from harness.model.run import SKIPS, Run, RunOptions
+from harness.model import SKIPS, Run, RunOptions
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
 from harness.runs.store import Store
 from harness.statics.plan import plan
@@ -61,7 +61,7 @@ BESIDE = {"quiet_end": {"quiet_rest"}}
 def recorded(name: str) -> Scene:
     """A record at 2 Hz of which only a part can move the block."""
     from analytic.excitation import SampledAcceleration
-    from harness.model.scene import BaseExcitation
+    from harness.model import BaseExcitation
 
     begin, end, duration = RECORDED[name]
     t = np.arange(301) * 0.01

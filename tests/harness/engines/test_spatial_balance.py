@@ -9,7 +9,7 @@ import pytest
 from analytic import Pulse
 from harness import Run, simulate
 from harness.engines.spatial import LEVELS
-from harness.model.scene import BaseExcitation, Contact, Initial, Pose
+from harness.model import BaseExcitation, Contact, Initial, Pose
 from tests import budgets_spatial as budget
 from tests.measures.profiles import BASES, statue
 from tests.measures.profiles import scene as profile_scene

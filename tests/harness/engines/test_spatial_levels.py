@@ -15,7 +15,7 @@ from analytic.spatial import Outcome as Paradox
 from harness import Outcome, RunOptions, engines
 from harness.engines import spatial
 from harness.engines.spatial import LEVELS
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from tests.scenes_for_tests import GRAVITY_M_S2, block, rectangle, scene
 
 

@@ -14,7 +14,7 @@ from harness.accuracy.horizon import unseen_tipping_s
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.step_log import STANDS_RAD, base_velocity
-from harness.model.scene import BaseExcitation, Pedestal, support_m
+from harness.model import BaseExcitation, Pedestal, support_m
 from tests import budgets_engines as budget
 from tests.doubles import codes
 from tests.engines_for_tests import apart, bullet, ready, run

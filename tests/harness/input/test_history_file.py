@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.input.history_file import gaps, read_history
-from harness.model.errors import InputError
+from harness.model import InputError
 
 T_S = np.array([0.0, 0.01, 0.02, 0.03])
 THETA_RAD = np.array([0.0, 0.01, -0.02, 0.5])

@@ -8,7 +8,7 @@ import pytest
 import harness
 from harness import InputError, load_scene
 from harness.input import mesh_statue
-from harness.model.finding import Severity
+from harness.model import Severity
 from meshes import doubts
 from meshes.mesh import Doubt, RawMesh
 from tests.budgets_meshes import ROUND_OFF_REL

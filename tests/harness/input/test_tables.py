@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.input import tables
-from harness.model.errors import InputError, Mistake
+from harness.model import InputError, Mistake
 from harness.questions.study.file import StudyFile
 
 GOOD = """

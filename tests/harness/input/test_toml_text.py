@@ -7,7 +7,7 @@ import pytest
 
 from harness.input.overrides import MOST_KEYS, MOST_PARTS, content_of, override
 from harness.input.tables import read
-from harness.model.errors import LONGEST, InputError, Mistake
+from harness.model import LONGEST, InputError, Mistake
 
 HUGE = "9" * 5000
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.input.history_file import read_history
-from harness.model.history import COLUMNS, History, Outcome, hermites, output_grid
+from harness.model import COLUMNS, History, Outcome, hermites, output_grid
 from tests.budgets import HERMITE_ROUNDING
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.model.run import MANY, Pattern, Run, write_json
+from harness.model import MANY, Pattern, Run, write_json
 from harness.records.base import part, plain
 from tests.harness.runs.test_store import run
 

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from harness import load_scene, run_scene
-from harness.model.errors import CONTROL, InputError, Mistake, json_text, printable, printable_lines
+from harness.model import CONTROL, InputError, Mistake, json_text, printable, printable_lines
 from harness.runs.progress import ProgressMessages, progress
 from reports.cli import app
 from reports.cli.ending import guarded

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from harness import Verdict, load_scene, run_scene
-from harness.model.finding import Severity
-from harness.model.two_block import block_of
+from harness.model import Severity, block_of
 from meshes.mesh import RawMesh
 from tests import doubles
 from tests.meshes.scanner import write

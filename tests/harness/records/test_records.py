@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from harness import InputError, RunRecord, StudyRecord
-from harness.model.run import write_json
+from harness.model import write_json
 from harness.questions.scene.scene_run import Result, run_scene, write_result
 from harness.questions.study.case_blocks import KeyedRow
 from harness.records.base import as_file, plain, schema_of, validated

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness import InputError, Scene, load_scene
-from harness.model.files import is_own, is_sealed, write_text, writing
-from harness.model.run import write_json
+from harness.model import is_own, is_sealed, write_json, write_text, writing
 from harness.questions.scene.scene_run import Result, check_writing, run_scene, write_result
 from harness.records.base import as_file
 from harness.records.result_folder import (

@@ -6,9 +6,7 @@ from typing import Any
 import numpy as np
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness.model.finding import info
-from harness.model.run import Capabilities
-from harness.model.scene import BaseExcitation, Initial, Pose, Scene, Wall
+from harness.model import BaseExcitation, Capabilities, Initial, Pose, Scene, Wall, info
 from harness.runs.task import KEYED, NOT_PHYSICS, scene_key
 from tests.scenes_for_tests import paestum
 

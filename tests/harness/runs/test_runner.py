@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from harness.model.errors import InputError
+from harness.model import InputError
 from harness.runs import runner
 from harness.runs.runner import AHEAD, Crash, LocalPool
 from tests.harness.runs.endings import ended

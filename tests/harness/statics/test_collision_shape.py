@@ -8,7 +8,7 @@ import pytest
 
 from harness import RunOptions, engines
 from harness.input.mesh_statue import statue_of
-from harness.model.scene import Wall
+from harness.model import Wall
 from harness.statics.plan import HULL_EXCESS_LIMIT, plan, shape_needed
 from meshes import decomposition
 from tests.meshes import togatus

@@ -8,8 +8,7 @@ import pytest
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import engines, simulate
-from harness.model.run import SKIPS, RunOptions
-from harness.model.scene import BaseExcitation
+from harness.model import SKIPS, BaseExcitation, RunOptions
 from harness.statics.plan import LimitsOfRest, first_motion_s, limit_of_rest_m_s2, plan
 from tests.budgets import LIMIT_ROUNDING
 from tests.scenes_for_tests import paestum

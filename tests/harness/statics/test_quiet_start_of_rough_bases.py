@@ -5,7 +5,7 @@ import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
 from harness.accuracy.simulation import simulate
-from harness.model.run import SKIPS, RunOptions
+from harness.model import SKIPS, RunOptions
 from harness.statics.plan import first_motion_s, limit_of_rest_m_s2
 from harness.statics.standstill import push_of, resting_polygon_m
 from tests.budgets import LIMIT_ROUNDING

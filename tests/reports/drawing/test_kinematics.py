@@ -8,8 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from harness.model.history import History
-from harness.model.scene import SOLID_COLUMNS, Pedestal, Wall
+from harness.model import SOLID_COLUMNS, History, Pedestal, Wall
 from harness.records.scene import SceneRecord
 from reports.drawing.kinematics import in_sight_m, posed_m, posed_pedestal_m, poses, room_m, sampled, top_shift_m
 from tests.budgets_reports import POSE_M

@@ -9,8 +9,7 @@ import pytest
 
 from harness import Outcome, Verdict
 from harness.input.uncertain import ASSUMPTIONS
-from harness.model.finding import Answer, Finding, caution, changes_answer, info, texted, weighed
-from harness.model.run import SKIPS
+from harness.model import SKIPS, Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.questions.assess.options import PAIRS
 from harness.questions.bench.hard_scenes import catalogue
 from harness.questions.bench.standard_scenes import standard_set

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.model.finding import Severity
+from harness.model import Severity
 from harness.questions.assess.answer import answer_of, findings_of
 from harness.questions.assess.assessment import assess
 from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityDifference

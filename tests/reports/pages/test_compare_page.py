@@ -73,7 +73,7 @@ def test_a_page_is_refused_where_it_cannot_be(
 
 
 def test_a_history_that_was_changed_has_no_page(files: tuple[Path, Path], tmp_path: Path) -> None:
-    from harness.model.errors import InputError
+    from harness.model import InputError
     from reports.pages.page import write_report
 
     out = tmp_path / "ab"

@@ -12,8 +12,7 @@ import pytest
 
 from analytic import Harmonic
 from harness import Outcome, Verdict
-from harness.model.finding import caution, changes_answer
-from harness.model.scene import BaseExcitation, Initial, Pedestal
+from harness.model import BaseExcitation, Initial, Pedestal, caution, changes_answer
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, balance_share, has_answer

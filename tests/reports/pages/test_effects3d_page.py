@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.model.history import Outcome
-from harness.model.run import write_json
+from harness.model import Outcome, write_json
 from harness.questions.effects3d.study import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord

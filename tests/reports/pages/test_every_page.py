@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.model.run import RUN_FIELDS
+from harness.model import RUN_FIELDS
 from harness.records.base import Record
 from reports.blocks import Block, Chart, Section, Table, walk
 from reports.charts.drawn import svg

@@ -15,9 +15,7 @@ import pytest
 from analytic import Harmonic
 from harness import InputError, read_result
 from harness.engines.stepping.loop import IMPOSED_LABEL
-from harness.model.finding import caution, info, texted
-from harness.model.run import RUN_FIELDS, Pattern, write_json
-from harness.model.scene import Pedestal
+from harness.model import RUN_FIELDS, Pattern, Pedestal, caution, info, texted, write_json
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.run import HorizonRecord

@@ -8,7 +8,7 @@ from string import Formatter
 
 import pytest
 
-from harness.model.errors import InputError
+from harness.model import InputError
 from harness.records.base import Record
 from reports import messages as languages
 from reports.messages import ENGLISH, LANGUAGES, Language, agreed, language

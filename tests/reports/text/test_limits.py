@@ -8,9 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.model.finding import changes_answer, info, texted
-from harness.model.history import History, Outcome
-from harness.model.run import Intervention, Run
+from harness.model import History, Intervention, Outcome, Run, changes_answer, info, texted
 from harness.records.run import RunRecord
 from harness.statics.plan import Step
 from reports.blocks import Details, Group, Text, notes

@@ -39,8 +39,7 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 from harness.input.text_file import read_bytes
-from harness.model.errors import InputError, require
-from harness.model.finding import Finding, caution, info, weighed
+from harness.model import Finding, InputError, caution, info, require, weighed
 
 
 class Reader(Protocol):

@@ -10,8 +10,7 @@ from harness.input.motions.recordfile import (
     header_count,
     header_number,
 )
-from harness.model.errors import require, required
-from harness.model.finding import caution
+from harness.model import caution, require, required
 
 MARK = re.compile(r"PEER .*(?:\n.*){3}|(?:.*\n){3}.*\bNPTS\b.*\bDT\b", re.IGNORECASE)
 """The first line says PEER, or the fourth speaks of the number of points and the step."""

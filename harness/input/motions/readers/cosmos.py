@@ -19,8 +19,7 @@ from harness.input.motions.recordfile import (
     parse_orientation,
     unit_named,
 )
-from harness.model.errors import require, required
-from harness.model.finding import Finding, caution, info
+from harness.model import Finding, caution, info, require, required
 
 MARK = re.compile(r"(?s:.*?)(?:Integer|Real)-header values follow on", re.IGNORECASE)
 _HEADER = re.compile(

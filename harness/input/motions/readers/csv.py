@@ -21,8 +21,7 @@ from harness.input.motions.readers.table import (
 )
 from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake
 from harness.input.text_file import is_decimal, numbers, numbers_at_once
-from harness.model.errors import require
-from harness.model.finding import info
+from harness.model import info, require
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)
 _HEAD: Final = 2000

@@ -4,7 +4,7 @@ import re
 
 from harness.input.motions.process import clock_of
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns, parse_orientation
-from harness.model.errors import require
+from harness.model import require
 
 MARK = re.compile(r"(?=(?s:.{0,4000}?)#stationcode)(?s:.{0,4000}?)#(?:datasequence|amplitudeunit)", re.IGNORECASE)
 

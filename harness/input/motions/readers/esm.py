@@ -5,7 +5,7 @@ from datetime import datetime
 from typing import Final
 
 from harness.input.motions.recordfile import UNITS_M_S2, Channel, Header, RecordFile, free_format, mistake
-from harness.model.errors import require
+from harness.model import require
 
 MARK = re.compile(r"(?=EVENT[_ ]|NETWORK:)(?:.*\n)*?EVENT[_ ](?:NAME|ID):", re.IGNORECASE)
 _KEY = re.compile(r"^\s*([A-Z][A-Z0-9_/^() ]*):(.*)$", re.IGNORECASE)

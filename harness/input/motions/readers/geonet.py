@@ -3,8 +3,7 @@
 import re
 
 from harness.input.motions.recordfile import NUMERIC, Channel, Header, RecordFile, block, check_rows
-from harness.model.errors import require
-from harness.model.finding import caution
+from harness.model import caution, require
 
 MARK = re.compile(r"[^\S\n]*(un)?corrected accelerogram\b.*\bGNS|(?:.*\n){12}Component.*\n.*mm/s/s", re.IGNORECASE)
 """The first line of a channel names an accelerogram of GNS; or, where it was lost, the 13th and 14th are of their form."""

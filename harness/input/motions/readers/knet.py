@@ -13,8 +13,7 @@ from harness.input.motions.recordfile import (
     free_format,
     header_number,
 )
-from harness.model.errors import require, required
-from harness.model.finding import info
+from harness.model import info, require, required
 
 MARK = re.compile(r"\s*origin time(?s:.{0,2000}?)(?:scale factor|station code)", re.IGNORECASE)
 _SCALE = re.compile(r"([0-9.]+)\s*\(gal\)\s*/\s*([0-9.]+)", re.IGNORECASE)

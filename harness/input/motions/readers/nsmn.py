@@ -3,7 +3,7 @@
 import re
 
 from harness.input.motions.recordfile import Channel, Header, RecordFile, columns
-from harness.model.errors import require, required
+from harness.model import require, required
 
 MARK = re.compile(r"(?s:.{0,170}?)STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE)
 _NAMES = re.compile(r"^\s*([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s+([NSEWUD]-[NSEWUD])\s*$", re.IGNORECASE)

@@ -13,7 +13,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
-from harness.model.errors import require, required, translated
+from harness.model import require, required, translated
 
 _SAC_VERSION, _SAC_HEADER = slice(304, 308), 632
 _SAC_VERSIONS: Final = tuple((v).to_bytes(4, order) for v in (6, 7) for order in ("little", "big"))

@@ -15,8 +15,7 @@ from harness.input.motions.recordfile import (
     block,
     parse_orientation,
 )
-from harness.model.errors import require
-from harness.model.finding import caution
+from harness.model import caution, require
 
 MARK = re.compile(r"[^\S\n]*[1-6]\s.*(?:ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR).*\n\*", re.IGNORECASE)
 """The first line is "2 CORRECTED ACCELEROGRAM", or another kind's, and the second begins with *."""

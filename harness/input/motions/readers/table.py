@@ -26,7 +26,7 @@ from harness.input.motions.recordfile import (
     unit_named,
 )
 from harness.input.text_file import fortran, numbers_at_once
-from harness.model.errors import InputError, require, required
+from harness.model import InputError, require, required
 
 _LEAST_NUMBERS: Final = 16
 """Fewer numbers in a row of lines are a header's."""

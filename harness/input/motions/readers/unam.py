@@ -12,7 +12,7 @@ from harness.input.motions.recordfile import (
     header_number,
 )
 from harness.input.text_file import fortran
-from harness.model.errors import require
+from harness.model import require
 
 MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE)
 

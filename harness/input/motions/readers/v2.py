@@ -17,7 +17,7 @@ from harness.input.motions.recordfile import (
     header_number,
     unit_named,
 )
-from harness.model.errors import require, required
+from harness.model import require, required
 
 MARK = re.compile(r"(?s:.{0,180}?)CORRECTED ACCELEROGRAM", re.IGNORECASE)
 """Of CSMIP's volume 2, too; SMC and GeoNet are asked first."""

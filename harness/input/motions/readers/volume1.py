@@ -26,7 +26,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
-from harness.model.finding import Finding, caution
+from harness.model import Finding, caution
 
 MARK = re.compile(r"\s*(FILE\s+\d+ OF )?UNCORRECTED\s+ACCELEROGRAM\s+DATA|\s*\* ?VOL1DS", re.IGNORECASE)
 """The first line of a channel."""

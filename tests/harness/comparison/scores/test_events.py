@@ -8,7 +8,7 @@ import pytest
 
 from harness.accuracy.simulation import simulate
 from harness.comparison.scores import events
-from harness.model.scene import Statue
+from harness.model import Statue
 from tests import doubles
 from tests.budgets_compare import ENERGY_SHARE, ENGINE_SHARE, IMPACT_S, PEAK_RAD, SMALL_SHARE, UPLIFT_S
 from tests.scenes_for_tests import paestum

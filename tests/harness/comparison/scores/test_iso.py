@@ -10,7 +10,7 @@ import pytest
 
 from harness import InputError, compare
 from harness.comparison.scores import pointwise as iso
-from harness.model.history import pair
+from harness.model import pair
 from tests import doubles
 
 pytest.importorskip("objective_rating_metrics", reason="the extra `iso` is not installed")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.comparison.scores import pointwise
-from harness.model.history import History, pair
+from harness.model import History, pair
 from tests import doubles
 from tests.budgets_compare import PEAK_RAD, ROUNDING_REL, TRAPEZOID_REL
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.comparison.statistics import Prediction, brier, brier_skill, f1, matthews, score_outcomes
-from harness.model.history import Outcome
+from harness.model import Outcome
 from tests.budgets_compare import ROUNDING_REL
 
 S, L, R = Outcome.STANDS, Outcome.OVERTURNED_LEFT, Outcome.OVERTURNED_RIGHT

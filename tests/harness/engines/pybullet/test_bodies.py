@@ -14,7 +14,7 @@ from harness.engines.pybullet import feet, pose, run_phases, shapes
 from harness.engines.pybullet.feet import EdgeWatch
 from harness.engines.stepping.frame import matrices
 from harness.input.mesh_statue import statue_of
-from harness.model.scene import Statue
+from harness.model import Statue
 from meshes.solid import Solid, solid_from_mesh
 from tests import budgets_engines as budget
 from tests import doubles

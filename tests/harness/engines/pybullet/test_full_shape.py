@@ -18,9 +18,7 @@ from harness.engines.pybullet.shapes import HULL_INSET_M, HULL_VERTICES, MARGIN_
 from harness.engines.pybullet.world import World
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
-from harness.model.history import Array, Outcome
-from harness.model.run import SKIPS, RunOptions
-from harness.model.scene import Pedestal, Scene, Statue, Wall
+from harness.model import SKIPS, Array, Outcome, Pedestal, RunOptions, Scene, Statue, Wall
 from meshes import decomposition, load_solid
 from meshes.solid import solid_from_mesh
 from tests import budgets_engines as budget

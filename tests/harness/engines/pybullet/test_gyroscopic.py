@@ -8,7 +8,7 @@ import pytest
 
 from analytic.excitation import ZeroExcitation
 from harness import Run, RunOptions, engines
-from harness.model.scene import BaseExcitation, Contact, Form, Initial, Pose, Scene
+from harness.model import BaseExcitation, Contact, Form, Initial, Pose, Scene
 from harness.questions.validate.tosses import poses
 from tests import budgets_engines as budget
 from tests.engines_for_tests import bullet

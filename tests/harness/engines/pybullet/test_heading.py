@@ -11,8 +11,7 @@ from analytic.excitation import Harmonic
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines import load
 from harness.engines.pybullet.world import Heading
-from harness.model.run import Run, RunOptions
-from harness.model.scene import BaseExcitation, Initial, Pose, Scene, Wall
+from harness.model import BaseExcitation, Initial, Pose, Run, RunOptions, Scene, Wall
 from tests import budgets_engines as budget
 from tests import doubles
 from tests.engines_for_tests import NOTHING_SKIPPED, apart, bullet

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from harness.statics.plan import asymmetry
 from tests import budgets_engines as budget
 from tests.engines_for_tests import WHOLE, apart, bullet

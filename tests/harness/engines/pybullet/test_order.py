@@ -16,7 +16,7 @@ from harness.engines.pybullet.backend import BulletBackend
 from harness.engines.pybullet.world import World
 from harness.engines.stepping.frame import Schedule
 from harness.engines.stepping.step_state import Stepper
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_engines as budget
 from tests.engines_for_tests import NOTHING_SKIPPED, apart, bullet, exact

@@ -11,7 +11,7 @@ from analytic.excitation import Harmonic, Pulse
 from harness import Scene
 from harness.engines.pymunk import Munk2D
 from harness.engines.pymunk.plain import PlainMunk2D
-from harness.model.scene import BaseExcitation, Pedestal
+from harness.model import BaseExcitation, Pedestal
 from harness.questions.bench.standard_scenes import PEDESTAL, TWO
 from harness.questions.study.cases import BaseScene
 from tests import budgets_engines as budget

@@ -5,7 +5,7 @@ import pytest
 
 from harness.engines.stepping.columns import Trajectory, _synchronous
 from harness.engines.stepping.support import LEFT_M, LEFT_RAD, Corners, plain_spells
-from harness.model.scene import Pedestal
+from harness.model import Pedestal
 
 TIMES = np.linspace(0.0, 1.0, 11)
 STILL = np.zeros(11)

@@ -7,7 +7,7 @@ import pytest
 
 from analytic.excitation import Pulse
 from harness import Outcome
-from harness.model.scene import Initial, Pedestal, Scene, Wall
+from harness.model import Initial, Pedestal, Scene, Wall
 from tests import budgets_engines as budget
 from tests.engines_for_tests import run
 from tests.scenes_for_tests import paestum, rectangle, scene

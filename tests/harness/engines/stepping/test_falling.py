@@ -11,9 +11,7 @@ from analytic.excitation import Harmonic
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
-from harness.model.history import Array, Outcome
-from harness.model.run import Run
-from harness.model.scene import BaseExcitation, Pedestal, Scene, Statue, Wall
+from harness.model import Array, BaseExcitation, Outcome, Pedestal, Run, Scene, Statue, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene
 

@@ -9,7 +9,7 @@ import pytest
 
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.stepping.loop import imposed_rates
-from harness.model.scene import Form, Scene
+from harness.model import Form, Scene
 from tests import budgets_engines as budget
 from tests import engines_for_tests
 from tests.engines_for_tests import exact

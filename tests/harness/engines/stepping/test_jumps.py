@@ -11,7 +11,7 @@ from analytic.excitation import Excitation, Harmonic, Pulse, Record
 from harness.accuracy.simulation import simulate
 from harness.comparison.scores.pointwise import error_rad, errors
 from harness.engines.stepping.frame import Schedule
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import exact, ready, run
 from tests.scenes_for_tests import PAESTUM, PAESTUM_PEDESTAL, rectangle, scene

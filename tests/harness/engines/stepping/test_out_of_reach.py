@@ -12,7 +12,7 @@ from analytic.excitation import Harmonic, Pulse
 from harness import Outcome, Run, load_scene
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.step_state import StepState
-from harness.model.scene import BaseExcitation, Scene, Wall
+from harness.model import BaseExcitation, Scene, Wall
 from tests import budgets_engines as budget
 from tests.engines_for_tests import bullet, run
 from tests.measures.mechanisms import changed

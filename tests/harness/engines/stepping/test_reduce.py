@@ -14,8 +14,7 @@ from harness.engines.stepping import frame, reduce
 from harness.engines.stepping.columns import Trajectory
 from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
-from harness.model.history import Array, Outcome
-from harness.model.scene import OVERTURN_RAD, BaseExcitation, Wall
+from harness.model import OVERTURN_RAD, Array, BaseExcitation, Outcome, Wall
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene
 from tests.scenes_for_tests import PAESTUM, SCENES, paestum, rectangle, scene

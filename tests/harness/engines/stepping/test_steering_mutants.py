@@ -8,7 +8,7 @@ from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Pulse
 from harness import RunOptions, simulate
 from harness.engines.base import LayerFault
-from harness.model.scene import BaseExcitation, Initial, Scene
+from harness.model import BaseExcitation, Initial, Scene
 from tests.engines_for_tests import ready
 from tests.measures.mechanisms import changed
 from tests.measures.seeded_scenes import GENERATORS

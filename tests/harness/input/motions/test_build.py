@@ -13,7 +13,7 @@ from harness.input import paths
 from harness.input.mistakes import mistakes_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Component, Motion
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.doubles import codes
 from tests.harness.input.motions import writers
 from tests.harness.input.motions.writers import GRAVITY, wave

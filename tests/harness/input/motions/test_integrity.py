@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.input.motions.readers import read_record
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.budgets_motions import CSV_DIGITS, RATE_DIGITS
 from tests.doubles import codes
 from tests.harness.input.motions import writers

@@ -10,7 +10,7 @@ from harness.input.motions.check import USUAL_STEPS_S
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import parse_orientation
 from harness.input.motions.records import channel_named
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.doubles import codes
 from tests.fuzz.records import at2
 from tests.harness.input.motions import writers

@@ -11,7 +11,7 @@ import pytest
 
 from harness.input.motions.readers import geonet, read_file, read_record
 from harness.input.motions.recordfile import NUMERIC, ChannelOrientation
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.budgets_motions import CLOCK_S, COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
 from tests.doubles import codes
 from tests.harness.input.motions import layouts, writers

@@ -11,7 +11,7 @@ from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.records import aligned, load
 from harness.input.motions.spec import Source
 from harness.input.motions.spectra import peak_velocity_m_s
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.budgets_motions import (
     CSV_DIGITS,
     HEADER_DIGITS,

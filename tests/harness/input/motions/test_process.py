@@ -11,7 +11,7 @@ from harness.input.motions.recordfile import Series, displacement_m, velocity_m_
 from harness.input.motions.records import load
 from harness.input.motions.spec import RecordSpec
 from harness.input.motions.spectra import measures, peak_velocity_m_s
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests import doubles
 from tests.budgets_motions import FILTER_PASS, FILTER_STOP, RETURN_TO_REST_M, RETURN_TO_REST_M_S, SAME_MOTION
 from tests.harness.input.motions.writers import GRAVITY, wave

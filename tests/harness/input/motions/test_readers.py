@@ -8,7 +8,7 @@ import pytest
 from harness.input.motions.readers import FORMATS, read_record
 from harness.input.motions.recordfile import ChannelOrientation, fixed_width, free_format, parse_orientation
 from harness.input.motions.records import aligned, channel_named, turned
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.budgets_motions import SAME_MOTION, WRITTEN_DIGITS_G
 from tests.doubles import codes
 from tests.harness.input.motions import layouts, writers

@@ -13,7 +13,7 @@ from harness.input.motions import SceneMotion, compatible, oscillator, prepare
 from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
 from harness.input.motions.spec import Component, SpectrumSpec, Target
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
-from harness.model.errors import InputError
+from harness.model import InputError
 from tests.budgets_motions import (
     CODE_TABLE,
     EQSIG_MISFIT,

@@ -10,7 +10,7 @@ import pytest
 from analytic import Harmonic, Pulse
 from harness import InputError, Outcome, RunOptions, engines, load_scene
 from harness.comparison.statistics import wilson
-from harness.model.scene import BaseExcitation, Pedestal, Scene, Wall
+from harness.model import BaseExcitation, Pedestal, Scene, Wall
 from harness.questions.assess.answer import answer_of, findings_of, probability
 from harness.questions.assess.assessment import assess, difference
 from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied

@@ -8,7 +8,7 @@ import pytest
 
 from analytic import Pulse
 from harness.engines.stepping.frame import statue_columns
-from harness.model.scene import BaseExcitation, Pedestal, Scene, Statue
+from harness.model import BaseExcitation, Pedestal, Scene, Statue
 from harness.questions.assess.answer import CLEAR, answer_of, without_clearance
 from harness.questions.assess.answer import clearance as clearance_finding
 from harness.questions.assess.assessment import assess

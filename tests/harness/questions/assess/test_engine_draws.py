@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from harness import InputError, Outcome, assess, load_scene, simulate
-from harness.model.scene import Wall
+from harness.model import Wall
 from harness.questions.assess.model_draws import IMPACT, ModelDraws
 from harness.questions.assess.probability import estimate, overturns
 from harness.records.assess import Assessment

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import spearmanr
 
 from harness import InputError, load_scene
-from harness.model.scene import Contact, Scene, Uncertain
+from harness.model import Contact, Scene, Uncertain
 from harness.questions.assess.model_draws import (
     IMPACT,
     KINETIC,

@@ -9,7 +9,7 @@ import pytest
 
 from analytic import Pulse
 from harness import InputError, assess, load_scene
-from harness.model.scene import BaseExcitation, Pedestal, Scene, Uncertain, Wall
+from harness.model import BaseExcitation, Pedestal, Scene, Uncertain, Wall
 from harness.questions.assess import options as made
 from harness.questions.assess.answer import best_option, of_options
 from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from harness.input.scene_file import load_scene
-from harness.model.finding import info
-from harness.model.scene import Uncertain
+from harness.model import Uncertain, info
 from harness.questions.assess.answer import reserve
 from harness.questions.assess.model_draws import ModelDraws, draw, model_draws, sweepable, uncertain_inputs
 from harness.questions.assess.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws

@@ -8,7 +8,7 @@ import pytest
 
 from analytic import Pulse
 from harness import Outcome, assess, load_scene, simulate
-from harness.model.scene import BaseExcitation, Scene
+from harness.model import BaseExcitation, Scene
 from harness.questions.assess.model_draws import ModelDraws, draw, row, space_draws, uncertain_inputs, varied
 from harness.questions.assess.options import AS_IT_IS, OptionDraws, difference_of, options_of
 from harness.records.assess import TURNED

@@ -13,7 +13,7 @@ import pytest
 from harness import History, engines
 from harness.comparison.scores.pointwise import error_rad
 from harness.engines.base import EngineFailure
-from harness.model.run import SKIPS, RunOptions
+from harness.model import SKIPS, RunOptions
 from harness.questions.bench import precision, scaling, skips
 from harness.questions.bench.bench_run import BENCH
 from harness.questions.bench.parts import cost, costs, head, peak_memory_mb, processor_s

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from harness.model.errors import InputError
+from harness.model import InputError
 from harness.questions.bench.parts import Part, command, measure
 from harness.records.bench import of_parts
 from harness.runs.store import STORE_NAME, Store

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.model.scene import Scene
+from harness.model import Scene
 from harness.questions.effects3d.search import with_solid
 from meshes import solid_from_mesh
 from tests.meshes.shapes import box

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.model.scene import Scene
+from harness.model import Scene
 from harness.questions.effects3d.search import CONDITIONS, changed_scene, turned
 from harness.records.effects3d import BASELINE
 from meshes import footprint

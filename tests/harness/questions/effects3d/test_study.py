@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from harness.model.scene import Scene
+from harness.model import Scene
 from harness.questions.effects3d.search import Search
 from harness.questions.effects3d.study import (
     WORK,

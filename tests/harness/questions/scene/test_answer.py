@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness import Outcome, Run, Scene, compare
-from harness.model.finding import Finding, caution
+from harness.model import Finding, caution
 from harness.questions.scene.answer import answer_of
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, has_answer

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from harness import History, Outcome, Verdict
-from harness.model.run import to_plain
+from harness.model import to_plain
 from harness.questions.study.case_blocks import KeyedRow
 from harness.questions.study.ensembles import score_sets
 from harness.questions.study.study_record import _falls as falls_in

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.accuracy.simulation import failed
-from harness.model.history import Outcome
-from harness.model.run import NUMBERS
+from harness.model import NUMBERS, Outcome
 from harness.questions.study.study_record import cell, flat
 from harness.runs.store import PlannedRow
 from harness.runs.task import answer_of

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.model.history import Outcome
+from harness.model import Outcome
 from harness.questions.study import case_selection as selection
 from harness.questions.study.case_selection import recheck
 from harness.questions.study.file import StudyFile

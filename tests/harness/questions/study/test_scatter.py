@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.model.errors import InputError
+from harness.model import InputError
 from harness.questions.study.cases import base_of, expand
 from harness.questions.study.file import load_study
 from tests import budgets_assess as budget

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from harness import InputError, Scene, simulate
-from harness.model.run import to_plain
+from harness.model import to_plain
 from harness.questions.study import case_selection as selection
 from harness.questions.study import estimate
 from harness.questions.study.case_blocks import study_rows

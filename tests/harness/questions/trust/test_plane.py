@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import harness
-from harness.model.errors import InputError
+from harness.model import InputError
 from harness.questions.trust.plane import Plane, to_ask
 
 BLOCK: dict[str, Any] = {

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import History, Outcome, Run, Scene, Verdict, compare
-from harness.model.finding import caution
+from harness.model import caution
 from harness.questions.scene.scene_run import Result
 from harness.questions.trust import point
 from harness.questions.trust.point import STRETCHES, Kept, explained, path_of, said

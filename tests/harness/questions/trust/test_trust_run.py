@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 import harness
 from harness import InputError, Scene, engines, load_scene, read_result
 from harness.accuracy.forecast import Range
-from harness.model.finding import Severity
+from harness.model import Severity
 from harness.questions.assess.sensitivity import crossing
 from harness.questions.trust import plane, trust_run
 from harness.questions.trust.plane import Plane, Point

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import InputError, load_scene, simulate
-from harness.model.scene import Contact, Scene
+from harness.model import Contact, Scene
 from harness.questions.validate import drops, impact_ratios
 from harness.questions.validate.drops import (
     TURNS,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness.model.errors import InputError
+from harness.model import InputError
 from harness.questions.study.rocking_spectrum import RING_DOWN_S
 from harness.questions.validate.scenes import (
     BASE_SD_M,

@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 
 from harness.comparison.statistics import FELL
-from harness.model.history import Outcome
+from harness.model import Outcome
 from harness.questions.validate import scoring
 from harness.questions.validate.fit import (
     COUNTS,
