@@ -10,9 +10,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.accuracy.horizon import MODEL
 from harness.model import grouped
 from harness.questions.study.case_selection import SAME_CELL, Place, filled
-from harness.questions.trust.point import MODEL
 from harness.records.bench import StabilityCell
 from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json

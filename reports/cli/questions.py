@@ -135,7 +135,7 @@ def trust(
     out: Out = None,
 ) -> None:
     """Map over strength and frequency how far the analytic model is confirmed by the engines for this statue."""
-    from harness.questions.trust.trust_run import run_trust
+    from harness.questions.trust import run_trust
 
     folder = folder_of(out, scene, "-trust")
     record = run_trust(

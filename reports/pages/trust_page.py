@@ -4,8 +4,8 @@ import shlex
 from pathlib import Path
 from typing import Final
 
-from harness.questions.trust.point import MODEL
-from harness.questions.trust.trust_run import CELLS_NAME
+from harness.accuracy.horizon import MODEL
+from harness.questions.trust import CELLS_NAME
 from harness.records.trust import CLASSES, HELD, TrustRecord
 from reports.blocks import Block, Chart, Facts, Group, Text, command_line, facts, grid, repeat, section, verdict, words
 from reports.charts.map_figures import POINT, point_figure, sets, trust_map

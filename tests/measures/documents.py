@@ -12,7 +12,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
-from harness.questions.trust.trust_run import run_trust
+from harness.questions.trust import run_trust
 from reports.charts.drawn import svg
 from reports.charts.map_figures import trust_map
 from tests.measures.page_cost import READY_LIMIT_MS, chromium

@@ -15,10 +15,19 @@ from typing import Final
 
 import numpy as np
 
+from harness.accuracy.horizon import MODEL
 from harness.input.scene_file import load_scene
-from harness.questions.trust.plane import FASTEST_HZ, SLOWEST_HZ, STRONGEST_G, WEAKEST_G, Plane, Point
-from harness.questions.trust.point import MODEL, Kept
-from harness.questions.trust.trust_run import Points, explored
+from harness.questions.trust import (
+    FASTEST_HZ,
+    SLOWEST_HZ,
+    STRONGEST_G,
+    WEAKEST_G,
+    Kept,
+    Plane,
+    Point,
+    Points,
+    explored,
+)
 from harness.records.trust import HELD, TrustClass
 from harness.runs.execute import Campaign
 from harness.runs.runner import LocalPool

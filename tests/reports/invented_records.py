@@ -12,8 +12,7 @@ from harness.comparison.statistics import FELL, Prediction, fit_fragility, score
 from harness.model import Answer, info
 from harness.model import run as record
 from harness.questions.study.cases import BaseScene
-from harness.questions.trust.plane import Plane
-from harness.questions.trust.trust_run import answer_of, findings_of, saved_by
+from harness.questions.trust import Plane, answer_of, findings_of, saved_by
 from harness.records import bench as stress_record
 from harness.records.base import as_file, plain
 from harness.records.bench import (

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness import Outcome, RunRequest, Scene, engines, load_scene, run_scene, simulate
-from harness.questions.trust import plane
+from harness.questions import trust
 from harness.records.base import plain
 from harness.records.study import StudyRow
 from harness.runs.runner import InlinePool
@@ -89,8 +89,8 @@ def test_the_main_job_s_map_is_the_coarse_one_of_the_statue_on_the_floor(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(build_examples, "OUT", tmp_path)
-    monkeypatch.setattr(plane, "RESOLUTION", {True: 4.5})
-    monkeypatch.setattr(plane, "FREQUENCIES", {True: 1})
+    monkeypatch.setattr(trust, "RESOLUTION", {True: 4.5})
+    monkeypatch.setattr(trust, "FREQUENCIES", {True: 1})
     record = build_examples.trust_map(InlinePool())
     assert (record.coarse, record.engines, record.scene.file) == (True, ("analytic", "pymunk"), "paestum_pedestal.toml")
     assert [(each.stands_on, len(each.cells)) for each in record.maps] == [("pedestal", 3), ("floor", 3)]

@@ -8,7 +8,7 @@ import pytest
 
 import harness
 from harness.model import InputError
-from harness.questions.trust.plane import Plane, to_ask
+from harness.questions.trust import Plane, to_ask
 
 BLOCK: dict[str, Any] = {
     "title": "a block",

@@ -10,9 +10,9 @@ import pytest
 
 from harness import History, Outcome, Run, Scene, Verdict, compare
 from harness.model import caution
+from harness.questions import trust
 from harness.questions.scene.scene_run import Result
-from harness.questions.trust import point
-from harness.questions.trust.point import STRETCHES, Kept, explained, path_of, said
+from harness.questions.trust import STRETCHES, Kept, explained, path_of, said
 from harness.records.base import part, plain
 from harness.records.run import HorizonRecord
 from harness.records.trust import CLASSES
@@ -81,8 +81,8 @@ def test_a_probability_takes_more_draws_where_few_leave_its_side_of_a_contour_op
         asked.append(count)
         return {"analytic": SimpleNamespace(probability_overturned=0.5, low=low, high=high, level=0.95)}
 
-    monkeypatch.setattr(point, "assess_models", assess_models)
-    found = point.assess_point(point.Question(paestum(), ("analytic",)))
+    monkeypatch.setattr(trust, "assess_models", assess_models)
+    found = trust.assess_point(trust.Question(paestum(), ("analytic",)))
     assert asked == draws
     assert found.record["interval"] == [0.5, low, high, 0.95]
 

@@ -18,13 +18,15 @@ from typer.testing import CliRunner
 import harness
 from harness import InputError, Scene, engines, load_scene, read_result
 from harness.accuracy.forecast import Range
+from harness.accuracy.horizon import MODEL
 from harness.model import Severity
+from harness.questions import trust
 from harness.questions.assess.sensitivity import crossing
-from harness.questions.trust import plane, trust_run
-from harness.questions.trust.plane import Plane, Point
-from harness.questions.trust.point import MODEL, Said
-from harness.questions.trust.trust_run import (
+from harness.questions.trust import (
     Map,
+    Plane,
+    Point,
+    Said,
     answer_of,
     confirmed_up_to_g,
     contour,
@@ -54,9 +56,9 @@ KEYS = {"amplitude_g", "frequency_hz", "class", "basis", "amplitude_over_g_tan_a
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """The file of a scene of which a map has two frequencies and three strengths, computed here."""
-    monkeypatch.setattr(plane, "RESOLUTION", {True: 4.5})
-    monkeypatch.setattr(plane, "FREQUENCIES", {True: 2})
-    monkeypatch.setattr(trust_run, "LocalPool", lambda jobs: InlinePool())
+    monkeypatch.setattr(trust, "RESOLUTION", {True: 4.5})
+    monkeypatch.setattr(trust, "FREQUENCIES", {True: 2})
+    monkeypatch.setattr(trust, "LocalPool", lambda jobs: InlinePool())
     path = tmp_path / "block.toml"
     path.write_text(tomli_w.dumps({key: value for key, value in BLOCK.items() if key != "uncertainty"}))
     return path
@@ -105,32 +107,32 @@ def test_at_how_many_points_an_engine_in_space_was_asked_is_told() -> None:
 
 def test_what_a_map_takes_is_told_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs of 100 s at half of the points in the plane, at a quarter in space; without its pedestal as often again."""
-    monkeypatch.setattr(trust_run, "run_s", lambda name, scene: Range(50.0, 200.0))
+    monkeypatch.setattr(trust, "run_s", lambda name, scene: Range(50.0, 200.0))
     on = Plane.of(load_scene(Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml"), "sine", coarse=True)
     count = 2 * len(on.points)
-    shares = trust_run.ASKED
+    shares = trust.ASKED
     for names, share in (
         (("analytic", "pymunk"), shares[2]),
         (("analytic", "pymunk", "pybullet"), shares[2] + shares[3]),
     ):
-        cpu_s = count * (trust_run.POINT_S + 100.0 * share)
-        told = trust_run.cost_words(on, names, 2, coarse=True)
+        cpu_s = count * (trust.POINT_S + 100.0 * share)
+        told = trust.cost_words(on, names, 2, coarse=True)
         spent, clock = duration_words(cpu_s), duration_words(cpu_s / 2)
         assert re.fullmatch(rf"{count} .*{re.escape(spent)} .*{re.escape(clock)} .*\b2\b.*", told)
-    whole = trust_run.cost_words(on, ("analytic", "pymunk"), 1, coarse=False)
-    chances_s = 2 * trust_run.CHANCE_S * len(on.frequencies_hz)
-    assert duration_words(count * (trust_run.POINT_S + 100.0 * shares[2]) + chances_s) in whole
+    whole = trust.cost_words(on, ("analytic", "pymunk"), 1, coarse=False)
+    chances_s = 2 * trust.CHANCE_S * len(on.frequencies_hz)
+    assert duration_words(count * (trust.POINT_S + 100.0 * shares[2]) + chances_s) in whole
     # Where the model leaves its domain an engine's draws are of its probability: at a half of these points.
-    monkeypatch.setattr(trust_run, "has_answer", lambda run: abs(run.peak_theta_rad) < np.median(peaks))
-    drawn = np.random.default_rng(0).permutation(len(on.points))[: trust_run.TRIALS]
+    monkeypatch.setattr(trust, "has_answer", lambda run: abs(run.peak_theta_rad) < np.median(peaks))
+    drawn = np.random.default_rng(0).permutation(len(on.points))[: trust.TRIALS]
     peaks = [abs(harness.simulate(on.at(on.points[k]), "analytic").peak_theta_rad) for k in drawn]
-    monkeypatch.setattr(trust_run, "planes_of", lambda plane: ([on], []))
-    more_s = len(on.points) * (trust_run.POINT_S + 100.0 * shares[2] + 0.5 * trust_run.SAMPLE_S)
-    assert duration_words(more_s) in trust_run.cost_words(on, ("analytic", "pymunk"), 1, coarse=True)
+    monkeypatch.setattr(trust, "planes_of", lambda plane: ([on], []))
+    more_s = len(on.points) * (trust.POINT_S + 100.0 * shares[2] + 0.5 * trust.SAMPLE_S)
+    assert duration_words(more_s) in trust.cost_words(on, ("analytic", "pymunk"), 1, coarse=True)
 
 
 def test_a_point_says_what_a_run_of_it_says(small: Path, tmp_path: Path) -> None:
-    record = trust_run.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True)
+    record = trust.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True)
     cell = record.maps[0].cells[-1]
     result = harness.run_scene(load_scene(small, cell["set"]), ["analytic", "pymunk"])
     assert cell["answer"] == result.answer().code
@@ -355,7 +357,7 @@ def test_a_pedestal_s_map_stands_beside_that_of_the_statue_on_the_floor(small: P
     unknown = {key: {"kind": "assumed"} for key in ("pedestal.offset_m", "contact.floor", "statue.mass_kg")}
     floor = {"floor_static": 0.15, "floor_kinetic": 0.15, "statue": 1.0}
     small.write_text(tomli_w.dumps({**content, "pedestal": pedestal, "contact": floor, "uncertainty": unknown}))
-    record = trust_run.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True)
+    record = trust.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True)
     own, without = record.maps
     assert (own.stands_on, without.stands_on) == ("pedestal", "floor")
     at = [[(cell["amplitude_g"], cell["frequency_hz"]) for cell in each.cells] for each in record.maps]
@@ -379,7 +381,7 @@ def test_a_contour_lies_where_its_value_is_first_passed() -> None:
 
 def test_a_map_has_a_contour_of_each_kind_at_each_frequency(small: Path, tmp_path: Path) -> None:
     """The block rocks from 0.2 g on: a fall is past every share of α, and where none moves nothing is."""
-    (only,) = trust_run.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True).maps
+    (only,) = trust.run_trust(small, tmp_path / "map", ["pymunk"], coarse=True, quiet=True).maps
     assert {*only.contours} == {*CONTOURS}
     first = [only.contours[name][0] for name in ("peak_quarter", "peak_half")]
     assert all(only.cells[0]["amplitude_g"] < at <= only.cells[2]["amplitude_g"] for at in first if at is not None)

@@ -1,19 +1,26 @@
-"""The whole map: the model everywhere, engines where they are needed, a tenth of what they were not asked checked."""
+"""How far the analytic model can be trusted, for one statue: strength and frequency of its shaking divided by what models say.
+
+The model is asked at every point of the map, engines where its word may change, and at a tenth of the points where they were not.
+"""
 
 import csv
+import json
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence, Set
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
-from itertools import takewhile
+from functools import cached_property
+from itertools import groupby, pairwise, permutations, takewhile
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, Self
 
 import numpy as np
+from pydantic import JsonValue
 
 from harness import engines
 from harness.accuracy.forecast import run_s
+from harness.accuracy.horizon import MODEL, TOLERANCE_RAD
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.input.paths import read_files
 from harness.input.scene_file import load_scene
@@ -21,7 +28,11 @@ from harness.model import (
     MOST_TIMES,
     Answer,
     Finding,
+    History,
     InputError,
+    Outcome,
+    Run,
+    RunOptions,
     Say,
     Scene,
     caution,
@@ -31,29 +42,24 @@ from harness.model import (
     info,
     machine,
     require,
+    to_plain,
     versions,
 )
-from harness.questions.assess.probability import SAMPLE_S
+from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
+from harness.questions.assess.probability import SAMPLE_S, End, assess_models, end_of, estimate, run_of
 from harness.questions.assess.sensitivity import crossing
+from harness.questions.scene.answer import counted
+from harness.questions.scene.scene_run import Result, run_scene
 from harness.questions.scene.workload import check as check_work
 from harness.questions.study.case_selection import filled, refined
-from harness.questions.trust.plane import Plane, Point, below, to_ask
-from harness.questions.trust.point import (
-    DRAWS,
-    MODEL,
-    STRETCHES,
-    Kept,
-    Question,
-    Said,
-    assess_point,
-    interval_of,
-    run_point,
-)
-from harness.records.base import Plain, part
+from harness.questions.study.cases import BaseScene
+from harness.questions.study.file import Value
+from harness.records.assess import Assessment
+from harness.records.base import Plain, part, plain
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
-from harness.records.run import HorizonRecord, has_answer
+from harness.records.run import STILL_RAD, HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
 from harness.records.scene import SceneRecord
-from harness.records.scores import Interval
+from harness.records.scores import Interval, Scores, Verdict
 from harness.records.trust import (
     CLASSES,
     CONTOURS,
@@ -73,8 +79,437 @@ from harness.runs.execute import Campaign
 from harness.runs.progress import LESS_STORED, duration_words, progress
 from harness.runs.runner import DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from harness.runs.task import Task, request_key
-from harness.runs.task import TaskResult as Told
+from harness.runs.task import Task, TaskResult, request_key
+from harness.statics.plan import LimitsOfRest, limit_of_rest_m_s2
+from harness.statics.standstill import resting_polygon_m
+
+# The points of a map, the scene of each, and where engines are asked: at the ends of what the model says alike, and halved.
+
+WEAKEST_G, STRONGEST_G = 0.05, 1.0
+SLOWEST_HZ, FASTEST_HZ = 0.8, 8.0
+"""A museum floor's strengths and frequencies in an earthquake."""
+RESOLUTION: Final = {False: 1.05, True: 1.25}
+"""Ratio of neighbouring strengths, of a whole and of a coarse map: a border between classes is known to that."""
+FREQUENCIES: Final = {False: 10, True: 5}
+FARTHEST: Final = {False: 2.0, True: 3.0}
+"""Engines are asked at least once for each such factor of strength and frequency, whatever the model says."""
+RING_DOWN_S: Final = 5.0
+"""Time after a pulse in which rocking may still decide."""
+
+Point = tuple[int, ...]
+"""Number of the frequency, and of the strength."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Strengths, g, and frequencies, Hz (one None: the scene's own motion), and the scenes at them."""
+
+    base: BaseScene
+    scene: Scene
+    motion: str
+    amplitudes_g: Sequence[float]
+    frequencies_hz: Sequence[float | None]
+    farthest_ratio: float = FARTHEST[False]
+    on_floor: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene, motion: str, *, coarse: bool) -> Self:
+        """The map of a loaded scene. Raises `InputError` for an own motion that is none, or a statue not on its base."""
+        require(scene.initial.pose is None, str(scene.source), "a statue on its base", "a pose in space", key="initial")
+        require(
+            motion != "scene" or scene.base_excitation.x.peak_m_s2 > 0.0,
+            str(scene.source),
+            "a motion along x to make stronger",
+            "none",
+            key="motion.x",
+        )
+        limits_g = [limit_of_rest_m_s2(each) / scene.gravity_m_s2 for each in (scene, replace(scene, pedestal=None))]
+        low, high = min(WEAKEST_G, 0.8 * min(limits_g)), max(STRONGEST_G, 2.0 * max(limits_g))
+        steps = math.ceil(math.log(high / low) / math.log(RESOLUTION[coarse]))
+        frequencies: list[float | None] = [None]
+        if motion != "scene":
+            frequencies = [*_rounded(np.geomspace(SLOWEST_HZ, FASTEST_HZ, FREQUENCIES[coarse]))]
+        amplitudes = _rounded(np.geomspace(low, high, steps + 1))
+        return cls(BaseScene(scene.source, scene.given), scene, motion, amplitudes, frequencies, FARTHEST[coarse])
+
+    def without_pedestal(self) -> Self:
+        """The same plane for the statue on the floor. Raises `InputError` where that is no scene."""
+        floor = replace(self, on_floor=True)
+        return replace(floor, scene=self.base.scene({"pedestal": "none", **floor._known()}))
+
+    @property
+    def points(self) -> list[Point]:
+        """All points, frequency by frequency."""
+        return [(i, j) for i in range(len(self.frequencies_hz)) for j in range(len(self.amplitudes_g))]
+
+    def setting(self, point: Point) -> dict[str, Value]:
+        """The keys of the scene at a point: `rockcheck run SCENE --set` takes the same."""
+        return {**({"pedestal": "none"} if self.on_floor else {}), **self._shaking(point), **self._known()}
+
+    def command(self, point: Point) -> list[str]:
+        """The same as `--set` takes it."""
+        return [f"{key}={value if value == 'none' else _toml(value)}" for key, value in self.setting(point).items()]
+
+    def _shaking(self, point: Point) -> dict[str, Any]:
+        amplitude, frequency = self.amplitudes_g[point[1]], self.frequencies_hz[point[0]]
+        if frequency is None:
+            factor = amplitude * self.scene.gravity_m_s2 / self.scene.base_excitation.x.peak_m_s2
+            motion = self.base.content["motion"]
+            own = motion.get("scale", 1.0) if isinstance(motion, Mapping) else 1.0
+            return {"motion.scale": factor * float(own)}  # type: ignore[arg-type]
+        if self.motion == "sine":
+            return {"motion": {"x": {"kind": "harmonic", "amplitude_g": amplitude, "frequency_hz": frequency}}}
+        duration_s = 1.0 / frequency
+        x = {"kind": "pulse", "shape": "one_sine", "amplitude_g": amplitude, "duration_s": duration_s}
+        return {"motion": {"x": x}, "duration_s": max(self.scene.duration_s, duration_s + RING_DOWN_S)}
+
+    def _known(self) -> dict[str, Any]:
+        """The scene's table of uncertainties without what is not there: its own motion where another shakes, its pedestal."""
+        unknown = self.base.content.get("uncertainty")
+        there = {"motion.": self.motion == "scene", "pedestal.": not self.on_floor}
+        gone = tuple(name for name, kept in there.items() if not kept)
+        if not isinstance(unknown, Mapping) or not gone:
+            return {}
+        kept = {key: item for key, item in unknown.items() if not key.startswith(gone)}
+        return {"uncertainty": {key: _alone(item, kept.keys()) for key, item in kept.items()}}
+
+    def at(self, point: Point) -> Scene:
+        """The scene at a point. Raises `InputError` where it is none."""
+        return self.base.scene(self.setting(point))
+
+    def at_rest(self, point: Point) -> bool:
+        """Whether nothing can move there: the floor's peaks, all at once, are below the limits of a statue at rest."""
+        scene = self.at(point)
+        polygon = resting_polygon_m(scene.statue) if scene.initial.still else None
+        if polygon is None:
+            return False
+        floor = scene.base_excitation
+        x, y, z = floor.x.peak_m_s2, floor.y.peak_m_s2, floor.z.peak_m_s2
+        peaks = np.array([[a, b, z] for a in (x, -x) for b in (y, -y)])
+        times = np.linspace(0.0, 0.5 * scene.duration_s, len(peaks))
+        return LimitsOfRest(scene, polygon, times, peaks).until_s(0.0) >= scene.duration_s
+
+    @cached_property
+    def shaken(self) -> Scene:
+        """The scene under what shakes it on this map: nothing in it is of a motion whose place another takes."""
+        return self.scene if self.motion == "scene" else self.at(self.points[0])
+
+    def without_dimension(self, point: Point) -> tuple[float, float | None]:
+        """Strength over g tan α of the weaker side, frequency over p of that side, 1/s."""
+        statue = self.scene.statue
+        side = 1 if statue.corner_right_m <= statue.corner_left_m else -1
+        corner, height = statue.corner_m(side), statue.centroid_height_m
+        arm, gravity = math.hypot(corner, height), self.scene.gravity_m_s2
+        p = math.sqrt(statue.mass_kg * gravity * arm / self.scene.pivot_inertia_kg_m2[side])
+        frequency = self.frequencies_hz[point[0]]
+        strength = self.amplitudes_g[point[1]] * height / corner
+        return strength, None if frequency is None else frequency / p
+
+    @property
+    def farthest(self) -> tuple[int, int]:
+        """How many frequencies and strengths may lie from one at which engines were asked to the next."""
+        return _steps(self.frequencies_hz, self.farthest_ratio), _steps(self.amplitudes_g, self.farthest_ratio)
+
+
+def to_ask(alike: Sequence[Hashable | None], found: Mapping[int, Hashable], farthest: int) -> set[int]:
+    """Where engines are to be asked next along one frequency: at the ends of each stretch that the model says `alike` (None:
+    decided without), and between two neighbours of what was `found` there that differ or lie too far apart."""
+    wanted: set[int] = set()
+    for key, stretch in groupby(range(len(alike)), key=lambda j: alike[j]):
+        if key is None:
+            continue
+        inside = list(stretch)
+        ends = {inside[0], inside[-1]}
+        wanted |= ends - found.keys()
+        if ends <= found.keys():
+            known = [j for j in inside if j in found]
+            wanted |= {
+                (a + b) // 2 for a, b in pairwise(known) if b > a + 1 and (found[a] != found[b] or b - a > farthest)
+            }
+    return wanted
+
+
+def _alone(spread: JsonValue, kept: Set[str]) -> JsonValue:
+    """The distribution of a number without its correlation with what is not there."""
+    if isinstance(spread, dict) and spread.get("correlated_with", "") not in ("", *kept):
+        return {key: value for key, value in spread.items() if key not in ("correlated_with", "rho")}
+    return spread
+
+
+def _toml(value: object) -> str:
+    """A value as TOML writes it in one line."""
+    if isinstance(value, Mapping):
+        items = (f"{json.dumps(key) if '.' in key else key}={_toml(item)}" for key, item in value.items())
+        return f"{{{','.join(items)}}}"
+    return f"[{','.join(map(_toml, value))}]" if isinstance(value, list) else json.dumps(value)
+
+
+def _steps(values: Sequence[float | None], ratio: float) -> int:
+    """How many values lie within a factor."""
+    low, high = values[0], values[-1]
+    return (
+        max(1, round(math.log(ratio) * (len(values) - 1) / math.log(high / low))) if low and high and high > low else 1
+    )
+
+
+def _rounded(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[float]:
+    """Three digits: a point reads the same in a table, on a command line and in the store."""
+    return [float(f"{value:.3g}") for value in values]
+
+
+# What a run says of one point of the map, and the class that follows: by the rules of the run's own answer, no others.
+
+DRAWS: Final = {False: 500, True: 200}
+"""Draws of a probability, of a whole and of a coarse map: ± 4 and 7 % at a half."""
+FIRST_DRAWS: Final = 100
+"""So many of them are enough where their interval holds none of"""
+LEVELS: Final = [level for name, level in CONTOURS.items() if name.startswith("probability")]
+"""the probabilities that a map has contours of."""
+PAIRED: Final = 40
+"""Of them at most are also run by an engine, where it is asked."""
+HALF_WIDTH: Final = 0.1
+"""To which an engine's probability is asked."""
+PAIRED_BATCH: Final = 8
+"""Runs between two looks at the interval."""
+STRETCHES: Final = 60
+"""Of a history that a map keeps the first of the least and largest rotation of each: what a small picture shows."""
+CHANGED: Final = "outcome_not_predictable"
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the models that ran say of a point."""
+
+    kind: TrustClass
+    answer: str
+    why: Sequence[str]
+    outcomes: dict[str, str]
+    still: bool
+    alike: tuple[object, ...]
+    """What the model alone says, as far as a class may follow from it: engines are asked where it changes."""
+    peak_rad: float | None
+    balance_share: float | None
+    peaks_apart_rad: float | None
+    agree_until_s: float | None
+    horizon_s: float | None
+
+    @property
+    def found(self) -> tuple[object, ...]:
+        """What engines add: between two points that say the same it is not asked again."""
+        return self.kind, self.peak_confirmed
+
+    @property
+    def peak_confirmed(self) -> bool:
+        """Whether the peaks are as near each other as a prediction is asked to be (`horizon.TOLERANCE_RAD`); of a fall there is
+        none to confirm."""
+        return self.peaks_apart_rad is None or self.peaks_apart_rad <= TOLERANCE_RAD
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What is kept of a point: runs with their histories thinned (`paths`), scores of each pair and horizons. Its class is none
+    of it, and follows anew whenever it is read.
+    """
+
+    runs: Mapping[str, Run]
+    scores: Mapping[str, Scores]
+    horizons: Mapping[str, HorizonRecord]
+    paths: Mapping[str, Rotation]
+
+    def said(self, scene: Scene, names: Sequence[str]) -> Said:
+        """What those of these models that ran say of the point, whose scene that is."""
+        runs = {name: run for name, run in self.runs.items() if name in names}
+        scores = {pair: each for pair, each in self.scores.items() if each.a in runs and each.b in runs}
+        result = Result(scene, runs, scores | explained(runs, scores), [], 0.0, self.horizons)
+        return said(result, self.paths.get(MODEL))
+
+
+@dataclass(frozen=True)
+class Question:
+    """A point's scene, and who is asked: one engine states its horizon, several are compared; what a climb may take, how many
+    draws a probability, and horizons that are known already.
+    """
+
+    scene: Scene
+    engines: tuple[str, ...]
+    most_times: float = MOST_TIMES
+    draws: int = DRAWS[False]
+    horizons: Mapping[str, HorizonRecord] = field(default_factory=dict)
+
+
+def run_point(question: Question) -> TaskResult:
+    """What a worker does for a point's class; its cost is the processor time, s, that it took."""
+    begin = time.process_time()
+    options = RunOptions(most_times=question.most_times)
+    result = run_scene(
+        question.scene,
+        question.engines,
+        options=options,
+        horizon=len(question.engines) == 1,
+        stored_horizons=question.horizons,
+    )
+    paths = {name: path_of(run.history) for name, run in result.runs.items() if run.history is not None}
+    kept = Kept(result.runs, result.scores, result.horizons, paths)
+    return TaskResult("point", plain(kept), time.process_time() - begin)
+
+
+def path_of(history: History) -> Rotation:
+    """A history as a map keeps it: of each of `STRETCHES` the least and largest rotation in their order, to three digits."""
+    theta = history.theta_rad
+    if theta.size > 2 * STRETCHES:
+        parts = np.array_split(theta, STRETCHES)
+        theta = np.concatenate([part[np.sort([part.argmin(), part.argmax()])] for part in parts])
+    return Rotation(history.duration_s, [float(f"{value:.3g}") for value in theta.tolist()])
+
+
+def assess_point(question: Question) -> TaskResult:
+    """What a worker does for a point's probability: the model's, or that of an engine from few draws that both have run."""
+    begin, (name, *_) = time.process_time(), question.engines
+    found = _by_model(question) if name == MODEL else _paired(question, name)
+    told = [] if found is None else [found.probability_overturned, found.low, found.high, found.level]
+    return TaskResult("probability", {"interval": to_plain(told)}, time.process_time() - begin)
+
+
+def _by_model(question: Question) -> Assessment | None:
+    """The model's probability, by few draws where these tell on which side of each contour it lies."""
+    few = assess_models(question.scene, min(FIRST_DRAWS, question.draws)).get(MODEL)
+    if few is None or not any(few.low <= level <= few.high for level in LEVELS):
+        return few
+    return assess_models(question.scene, question.draws)[MODEL]
+
+
+def _paired(question: Question, name: str) -> Assessment:
+    """An engine's probability: the model's on all draws, corrected by its runs of some (`probability.estimate`)."""
+    scene = question.scene
+    values, engine = draws_of(scene, uncertain_inputs(scene), question.draws, 0), engines.load(name)
+
+    def fell(numbers: Sequence[int]) -> list[End]:
+        return [end_of(run_of(engine, varied(scene, row(values, number)))) for number in numbers]
+
+    return estimate(model_draws(scene, values), fell, half_width=HALF_WIDTH, most_runs=PAIRED, batch=PAIRED_BATCH)
+
+
+def said(result: Result, path: Rotation | None = None) -> Said:
+    """What a finished run says of its point; `path` is what is kept of the model's history."""
+    answer, model = result.answer(), result.runs[MODEL]
+    codes = {found.code: found.values for found in answer.findings}
+    known = {name: run for name, run in result.runs.items() if has_answer(run)}
+    kind, why = class_of(result, answer.code, codes.get(CHANGED, {}).get("outcomes", []))
+    horizon = result.horizons.get(MODEL)
+    fell = any(run.outcome.overturned for run in known.values())
+    peaks = [abs(run.peak_theta_rad) for run in known.values()]
+    alone = not fell and MODEL in known
+    path = path or (None if model.history is None else path_of(model.history))
+    until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
+    finite = [time_s for time_s in until if math.isfinite(time_s)]
+    outcomes = {
+        name: "left_domain" if outside_domain(run) else outcome_family(run.outcome) for name, run in result.runs.items()
+    }
+    still, whole = _still(model), horizon is not None and horizon.intrinsic_s >= model.end_s
+    return Said(
+        kind=kind,
+        answer=answer.code,
+        why=why,
+        outcomes=outcomes,
+        still=still,
+        alike=(outcomes.get(MODEL), still, CHANGED in codes, _left(model), whole),
+        peak_rad=abs(model.peak_theta_rad) if alone else None,
+        balance_share=_balance_share(result.scene, model, path) if alone and path is not None else None,
+        peaks_apart_rad=None if fell or len(known) < 2 else max(peaks) - min(peaks),
+        agree_until_s=min(finite, default=model.end_s if answer.code == "agree" else None),
+        horizon_s=None if horizon is None else horizon.intrinsic_s,
+    )
+
+
+def _balance_share(scene: Scene, model: Run, path: Rotation) -> float:
+    """The largest share of a side's balance angle: an unsymmetric statue may lean further to the side that bears more.
+
+    The largest rotation has no side, and a path is rounded.
+    """
+    theta = np.array(path.theta_rad)
+    side = 1 if theta.max() >= -theta.min() else -1
+    leans = np.append(theta[side * theta < 0.0], side * abs(model.peak_theta_rad))
+    return balance_share(model, leans, scene.statue.slenderness_rad)
+
+
+def class_of(result: Result, code: str, others: Sequence[str]) -> tuple[TrustClass, list[str]]:
+    """The class of a run's answer, and why: engines that differ robustly refute whatever else is true.
+
+    `others`: the outcomes that the smallest changes have, where it is more than one.
+    """
+    known = {name: run for name, run in result.runs.items() if has_answer(run)}
+    judged = counted(result.runs, result.scores)
+
+    def pairs(verdict: Verdict) -> list[str]:
+        return [name for name, each in judged.items() if each.verdict is verdict]
+
+    model = result.runs[MODEL]
+    left = pairs(Verdict.DOMAIN)
+    if code == "differ_by_model":
+        return "refuted", pairs(Verdict.MODEL)
+    if code == "plane_left_out":
+        causes = [
+            str(each.values["cause"])
+            for score in judged.values()
+            for each in score.findings
+            if each.code == "plane_cause"
+        ]
+        return "plane_left_out", list(dict.fromkeys(causes)) or ["motion_across"]
+    if left:
+        reasons = [judged[name].evidence.left_domain_by for name in left]
+        return "left_domain", list(dict.fromkeys(filter(None, reasons)))
+    if MODEL not in known and _left(model):
+        return "left_domain", [_left(model)]
+    if len(known) < 2 or MODEL not in known:
+        ends = {run.outcome for name, run in result.runs.items() if name not in known}
+        return "probability" if Outcome.UNDECIDED in ends else "no_answer", sorted(end.value for end in ends)
+    if others or code in ("unpredictable", "outcome_differs"):
+        return "probability", sorted({*others, *(outcome_family(run.outcome) for run in known.values())})
+    if code == "agree" and _still(model):
+        return "nothing_moves", []
+    # One engine whose error is bounded to the end is enough: no other says otherwise.
+    if code == "agree" and any(run.bounded_until_s >= run.end_s for name, run in known.items() if name != MODEL):
+        return "confirmed", []
+    parted = {each.verdict.name.lower() for each in judged.values()} - {"agree"}
+    return "outcome_confirmed", sorted(parted or {"unbounded"})
+
+
+def explained(runs: Mapping[str, Run], scores: Mapping[str, Scores]) -> dict[str, Scores]:
+    """Pairs of which the wider statement explains the difference, as pairs whose error is not bounded: two engines whose events
+    one layer locates may carry one error, so where they agree each is held against the model by the larger of what both state.
+    """
+    found = {}
+    layered = [name for name in runs if (can := engines.load(name).capabilities).own_impact and not can.certifies]
+    for name, other in permutations(layered, 2):
+        pair, beside = (
+            scores.get(f"{MODEL}_vs_{name}"),
+            scores.get(f"{name}_vs_{other}") or scores.get(f"{other}_vs_{name}"),
+        )
+        if pair is None or beside is None or pair.verdict is not Verdict.MODEL or beside.verdict is Verdict.MODEL:
+            continue
+        one, two, seen = runs[name], runs[other], pair.evidence
+        turned = seen.coverage * max(
+            (two.numerical_uncertainty_rad or 0.0) - (one.numerical_uncertainty_rad or 0.0), 0.0
+        )
+        slid = seen.coverage * max((two.slip_uncertainty_m or 0.0) - (one.slip_uncertainty_m or 0.0), 0.0)
+        rotation = seen.largest_reliable_difference_rad <= seen.limit_rad + turned
+        if rotation and seen.largest_reliable_slip_difference_m <= seen.slip_limit_m + slid:
+            found[f"{MODEL}_vs_{name}"] = replace(pair, verdict=Verdict.UNBOUNDED)
+    return found
+
+
+def _still(run: Run) -> bool:
+    """Whether neither the statue nor its pedestal moves."""
+    return not run.outcome.failed and abs(run.peak_theta_rad) < STILL_RAD and run.peak_slip_m == 0.0
+
+
+def _left(run: Run) -> str:
+    """By what the model left its domain; empty: it did not."""
+    by = run.validity.get("left_domain_by")
+    return str(by) if by else run.outcome.value if run.outcome in (Outcome.LIFT_OFF, Outcome.FRICTION_PARADOX) else ""
+
+
+# The whole map: the model everywhere, engines where they are needed, a tenth of what they were not asked checked.
 
 CELLS_NAME: Final = "cells.csv"
 CHECKED: Final = 0.1
@@ -126,11 +561,12 @@ class Points:
     def chances(self, plane: Plane, points: Iterable[Point], name: str) -> dict[Point, Interval]:
         """The probability of a fall by one model, where it has any."""
         found = self._ask(assess_point, plane, points, (name,), {})
-        return {point: known for point, each in found.items() if (known := interval_of(each)) is not None}
+        told: dict[Point, Any] = {point: each["interval"] for point, each in found.items() if each is not None}
+        return {point: Interval(*numbers) for point, numbers in told.items() if numbers}
 
     def _ask(
         self,
-        work: Callable[[Question], Told],
+        work: Callable[[Question], TaskResult],
         plane: Plane,
         points: Iterable[Point],
         names: tuple[str, ...],
@@ -223,7 +659,9 @@ class Map:
             return self.ran[point].kind, self._basis(point), self.ran[point]
         if point in self.rest:
             return "nothing_moves", "rest", self.model[point]
-        other = self.ran[point[0], below(point[1], self._along(point[0]))]
+        i, j = point
+        # The nearest strength under it at which engines were asked.
+        other = self.ran[i, max(asked for asked in self._along(i) if asked < j)]
         return other.kind, "between", other
 
     def _basis(self, point: Point) -> Basis:
@@ -549,15 +987,15 @@ def write_cells(maps: Sequence[TrustMap], path: Path) -> None:
 
 def _row(stands_on: str, cell: TrustCell) -> dict[str, object]:
     """A point by its columns: lists as words, and a column for each model's outcome and probability with its interval."""
-    plain = {name: value for name, value in cell.items() if name not in ("outcomes", "probability", "paths")}
-    plain |= {"why": " ".join(cell["why"]), "set": " ".join(f"--set '{item}'" for item in cell["set"])}
+    single = {name: value for name, value in cell.items() if name not in ("outcomes", "probability", "paths")}
+    single |= {"why": " ".join(cell["why"]), "set": " ".join(f"--set '{item}'" for item in cell["set"])}
     outcomes = {f"outcome_{name}": end for name, end in cell["outcomes"].items()}
     chances = {
         f"probability_{name}{end}": value
         for name, chance in cell["probability"].items()
         for end, value in (("", chance.value), ("_low", chance.low), ("_high", chance.high))
     }
-    return {"stands_on": stands_on, **plain, **outcomes, **chances}
+    return {"stands_on": stands_on, **single, **outcomes, **chances}
 
 
 def _cell(found: Map, point: Point, word: tuple[TrustClass, Basis, Said], chances: Mapping[str, Interval]) -> TrustCell:
