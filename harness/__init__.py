@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from harness.accuracy.simulation import simulate
-    from harness.comparison.comparator import compare
-    from harness.comparison.history_files import compare_files
+    from harness.comparison.comparator import compare, compare_files
     from harness.input.history_file import read_history
     from harness.input.mesh_statue import Mesh, read_mesh
     from harness.input.scene_file import load_scene, scene
@@ -37,8 +36,7 @@ if TYPE_CHECKING:
 
 _NAMES: Final = {
     "harness.accuracy.simulation": "simulate",
-    "harness.comparison.comparator": "compare",
-    "harness.comparison.history_files": "compare_files",
+    "harness.comparison.comparator": "compare compare_files",
     "harness.input.history_file": "read_history",
     "harness.input.mesh_statue": "Mesh read_mesh",
     "harness.input.scene_file": "load_scene scene",

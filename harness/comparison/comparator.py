@@ -4,16 +4,30 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.comparison.scores import events, pointwise
-from harness.comparison.scores.events import Excursions, Inertia, after_horizon, event_scores
-from harness.comparison.scores.pointwise import Measured, Peak, comparison_error
-from harness.comparison.scores.pointwise import rate as rate_by_iso
+from harness.comparison.scores import (
+    NO_EXCURSIONS,
+    Excursions,
+    Inertia,
+    Measured,
+    Peak,
+    after_horizon,
+    comparison_error,
+    event_scores,
+    excursions_of,
+    peak_of,
+    rate_by_iso,
+    rms,
+    sprague_geers,
+    together_until_s,
+)
+from harness.input.history_file import UNIFORM, between_samples, gaps, read_history
 from harness.model import (
     Finding,
     History,
@@ -25,16 +39,20 @@ from harness.model import (
     changes_answer,
     first_beyond_s,
     info,
+    machine,
     number,
     pair,
     require,
     translated,
+    versions,
 )
+from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import SLIDES_M, STILL_RAD, standing
-from harness.records.scores import Evidence, Scores, Verdict
+from harness.records.scores import FILES, CompareRecord, Evidence, Scores, Verdict
 
 if TYPE_CHECKING:
     from harness.records.study import CaseRun
+
 
 # What a verdict knows of one of its two answers.
 
@@ -108,7 +126,7 @@ def side_of(
     if isinstance(answer, History):
         return Side(
             name,
-            pointwise.peak(answer),
+            peak_of(answer),
             uncertainty_rad=uncertainty_rad,
             slip_uncertainty_m=slip_uncertainty_m,
             horizon_s=horizon_s,
@@ -190,10 +208,9 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
     until_s = min(a.until_s, b.until_s)
     rotation, slip = differences(a, b, both, (turned, slid), until_s)
     parted_s = [rotation.exceeded_s, slip.exceeded_s]
-    flips = sided = False
-    if a.outcome is not None and b.outcome is not None:
-        flips = a.outcome is not b.outcome
-        sided = flips and a.outcome.same_as(b.outcome)
+    alike = _alike(a, b)
+    flips = alike is not None and a.outcome is not b.outcome
+    sided = flips and alike is True
     if flips:
         # A fall across the plane is none of the planar rotation's: the two part when the statue falls for good.
         parted_s += [a.across_s, b.across_s]
@@ -232,6 +249,11 @@ def judge(a: Side, b: Side, both: Pair | None) -> tuple[Verdict, Evidence, list[
         **(aside if verdict is Verdict.PLANE and exceeded_s is None else {}),
     )
     return verdict, evidence, _findings(verdict, evidence, a, b)
+
+
+def _alike(a: Side, b: Side) -> bool | None:
+    """Whether both statues stand or both fall, whichever way; None where a side states no outcome."""
+    return None if a.outcome is None or b.outcome is None else a.outcome.same_as(b.outcome)
 
 
 SLIDES: Final = "statue_slides"
@@ -383,8 +405,6 @@ def differences(
     return rotation, slip
 
 
-__all__ = ["Scores", "compare"]
-
 TOGETHER_RAD: Final = 0.01
 """Two histories count as together while no further apart than this: 1.5 cm at the top of a statue of 1.5 m."""
 
@@ -414,24 +434,22 @@ def compare(
     Raises `InputError` naming the answer when there is nothing to
     compare, or when the two do not overlap in time.
     """
-    own = [answer.engine if isinstance(answer, Run) else otherwise for answer, otherwise in ((a, "a"), (b, "b"))]
-    names = names or (own[0], own[1])
-    _check(a, names[0])
-    _check(b, names[1])
+    name_a, name_b = names or (a.engine if isinstance(a, Run) else "a", b.engine if isinstance(b, Run) else "b")
+    _check(a, name_a)
+    _check(b, name_b)
     sides = (
-        side_of(a, names[0], horizons_s[0], uncertainties_rad[0], slip_uncertainties_m[0]),
-        side_of(b, names[1], horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
+        side_of(a, name_a, horizons_s[0], uncertainties_rad[0], slip_uncertainties_m[0]),
+        side_of(b, name_b, horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
     )
     until = min(side.until_s for side in sides)
     history_a, history_b = (answer.history if isinstance(answer, Run) else answer for answer in (a, b))
     if history_a is None or history_b is None:
-        none = events.NO_EXCURSIONS
-        return _scores(sides, None, (sides[0].peak, sides[1].peak), (none, none), None, until)
-    with translated(ValueError, f"{names[0]} and {names[1]}", "a common stretch of time", key="t_s"):
+        return _scores(sides, None, (sides[0].peak, sides[1].peak), (NO_EXCURSIONS, NO_EXCURSIONS), None, until)
+    with translated(ValueError, f"{name_a} and {name_b}", "a common stretch of time", key="t_s"):
         both = pair(history_a, history_b, hold_a=sides[0].rests, hold_b=sides[1].rests)
     within = both.until(until)
-    peaks = pointwise.peak(history_a, within.end_s), pointwise.peak(history_b, within.end_s)
-    excursions = events.excursions(history_a), events.excursions(history_b)
+    peaks = peak_of(history_a, within.end_s), peak_of(history_b, within.end_s)
+    excursions = excursions_of(history_a), excursions_of(history_b)
     # Of what did not end standing nothing has come to rest; beyond the horizon no last value is known.
     rested = all(side.rests or side.outcome is None for side in sides) and until >= both.end_s
     longest_s = max(history_a.duration_s, history_b.duration_s) - both.start_s
@@ -446,13 +464,13 @@ def compare(
         compared_from_s=within.start_s,
         compared_until_s=within.end_s,
         coverage=(within.end_s - within.start_s) / longest_s if longest_s > 0.0 else 1.0,
-        rms_theta_rad=pointwise.rms(within, within.difference_rad),
+        rms_theta_rad=rms(within, within.difference_rad),
         largest_difference_rad=float(np.max(np.abs(within.difference_rad))),
-        rms_slip_m=pointwise.rms(within, within.slip_a_m - within.slip_b_m),
-        together_until_s=pointwise.together_until_s(both, TOGETHER_RAD),
+        rms_slip_m=rms(within, within.slip_a_m - within.slip_b_m),
+        together_until_s=together_until_s(both, TOGETHER_RAD),
         residual_theta_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]) if rested else None,
         residual_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]) if rested else None,
-        **pointwise.sprague_geers(within),
+        **sprague_geers(within),
         after_horizon=after_horizon(excursions, both, until),
         iso=rate_by_iso(within) if iso else None,
     )
@@ -479,10 +497,7 @@ def _scores(
     common_s = (-math.inf, until_s) if both is None else (both.start_s, min(both.end_s, until_s))
     (a, b), (peak_a, peak_b) = sides, peaks
     still = peak_a.theta_rad == peak_b.theta_rad == 0.0
-    agree = side_agrees = None
-    if a.outcome is not None and b.outcome is not None:
-        agree = a.outcome.same_as(b.outcome)
-        side_agrees = a.outcome is b.outcome if a.outcome.overturned and b.outcome.overturned else None
+    fell = [side.outcome for side in sides if side.outcome is not None and side.outcome.overturned]
     apart_s = None if a.no_return_s is None or b.no_return_s is None else a.no_return_s - b.no_return_s
     return Scores(
         a=a.name,
@@ -496,8 +511,8 @@ def _scores(
         **event_scores(*excursions, inertia, common_s),
         outcome_a=a.outcome,
         outcome_b=b.outcome,
-        outcome_agrees=agree,
-        side_agrees=side_agrees,
+        outcome_agrees=_alike(a, b),
+        side_agrees=fell[0] is fell[1] if len(fell) == len(sides) else None,
         no_return_time_difference_s=apart_s,
         numerical_uncertainty=numerical_uncertainty(sides, peak_b.theta_rad, excursions, until_s),
         verdict=verdict,
@@ -533,3 +548,84 @@ def numerical_uncertainty(
         "impact_times_a_s": times[0],
         "impact_times_b_s": times[1],
     }
+
+
+# Two histories from files, of whatever software, scored.
+
+
+def compare_files(
+    a: Path | str,
+    b: Path | str,
+    *,
+    uncertainty_rad: float | None = None,
+    slip_uncertainty_m: float | None = None,
+    iso: bool = False,
+    measured: Measured | None = None,
+) -> Scores:
+    """Score history file a against history file b, the reference, of whatever software; raises `InputError`.
+
+    >>> scores = harness.compare_files("mine.csv", "theirs.csv")
+
+    `uncertainty_rad` and `slip_uncertainty_m` are the numerical errors of either rotation and slip, where they are known.
+    `measured` are the uncertainties where b is a measurement: a alone has a numerical error then.
+    """
+    require(
+        slip_uncertainty_m is None or 0.0 <= slip_uncertainty_m < math.inf,
+        "--slip-uncertainty",
+        "a length from 0 m",
+        f"{slip_uncertainty_m!r}",
+    )
+    require(
+        uncertainty_rad is None or 0.0 <= uncertainty_rad < 1.0,
+        "--uncertainty",
+        "a rotation from 0 to 1 rad",
+        f"{uncertainty_rad!r}",
+    )
+    a, b = Path(a), Path(b)
+    histories = [read_history(a), read_history(b)]
+    a_s, b_s = (history.t_s for history in histories)
+    if a_s.size != b_s.size or not np.allclose(a_s, b_s, rtol=UNIFORM, atol=UNIFORM):
+        # What lies open between samples counts as the history's resolution.
+        histories = [
+            replace(
+                history,
+                resolution_rad=history.resolution_rad + between_samples(history.theta_rad, history.t_s),
+                resolution_m=history.resolution_m + between_samples(history.slip_m, history.t_s),
+            )
+            for history in histories
+        ]
+    scores = compare(
+        *histories,
+        names=(a.name, b.name) if a.name != b.name else (str(a), str(b)),
+        uncertainties_rad=(uncertainty_rad, uncertainty_rad if measured is None else None),
+        slip_uncertainties_m=(slip_uncertainty_m, slip_uncertainty_m),
+        iso=iso,
+        measured=measured,
+    )
+    begin_s, end_s = scores.compared_from_s, scores.compared_until_s
+    if begin_s is not None and end_s is not None:
+        where, got = f"{a.name} and {b.name}", f"one common instant at {begin_s:g} s"
+        require(end_s > begin_s, where, "a common stretch of time", got, key="t_s")
+    missing = [
+        caution("no_samples", file=path.name, from_s=begin, until_s=end)
+        for path, history in zip((a, b), histories, strict=True)
+        for begin, end in gaps(history)
+    ]
+    return replace(scores, findings=(*scores.findings, *missing))
+
+
+def write_comparison(a: Path, b: Path, scores: Scores, folder: Path, asked: Sequence[str] | None = None) -> None:
+    """Write the scores of two files, by these options of the command, with both histories, into a result folder; raises
+    `InputError` rather than lose a file."""
+    names = [*PAGES, RECORD, COMING, *FILES]
+    check_inputs(folder, names, (a, b))
+    check_folder(folder, ("compare",), names)
+    record = CompareRecord(
+        title=f"{scores.a} against {scores.b}", scores=scores, asked=asked, versions=versions(), machine=machine()
+    )
+
+    def write(fresh: Path) -> None:
+        for path, name in zip((a, b), FILES, strict=True):
+            read_history(path).write_csv(fresh / name)
+
+    write_whole(folder, record, write)

@@ -6,6 +6,7 @@ Pure functions of numbers and outcomes; `harness.comparison.scores` compares the
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Final
 
 import numpy as np
@@ -58,20 +59,13 @@ def wilson(hits: int, total: int, confidence: float = CONFIDENCE) -> Interval | 
     """A proportion with Wilson's score interval (JASA 22, 1927); None of an empty set."""
     if total == 0:
         return None
-    z = _normal_quantile(0.5 + 0.5 * confidence)
+    z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
     p = hits / total
     centre = (p + z * z / (2.0 * total)) / (1.0 + z * z / total)
     half = z / (1.0 + z * z / total) * float(np.sqrt(p * (1.0 - p) / total + z * z / (4.0 * total * total)))
     return Interval(
         p, min(centre - half, p) if hits else 0.0, max(centre + half, p) if hits < total else 1.0, confidence
     )
-
-
-def _normal_quantile(probability: float) -> float:
-    # Loaded by whom it serves: a run of one scene asks no such interval.
-    from statistics import NormalDist
-
-    return NormalDist().inv_cdf(probability)
 
 
 def bootstrap(
@@ -372,7 +366,7 @@ class Fragility:
         design = np.stack((np.ones_like(x), np.log(x)), axis=-1)
         spread = np.sqrt(np.einsum("...i,ij,...j->...", design, self.covariance, design))
         middle = np.log(x / self.median) / self.dispersion
-        z = _normal_quantile(0.5 + 0.5 * confidence)
+        z = NormalDist().inv_cdf(0.5 + 0.5 * confidence)
         return _phi(middle - z * spread), _phi(middle + z * spread)
 
     def curve(self, intensity: ArrayLike) -> FragilityCurve:
@@ -431,7 +425,7 @@ def probit(design: Array, y: Array, ridge: float = 0.0) -> tuple[Array, Array]:
     """Coefficients (k,) of greatest likelihood of P = Φ(design β), design (n, k) with its constant first, and the information
     (k, k) there; by damped Newton steps. A `ridge` on the coefficients keeps them finite where a line parts the outcomes."""
     beta = np.zeros(design.shape[1])
-    beta[0] = _normal_quantile(float(y.mean()))
+    beta[0] = NormalDist().inv_cdf(float(y.mean()))
     information = np.eye(beta.size)
 
     def value(at: Array) -> float:

@@ -122,7 +122,7 @@ class PeaksApart:
 
 @dataclass(frozen=True, kw_only=True)
 class AfterHorizon:
-    """Two histories beyond the horizon, where only distributions compare (`harness.comparison.scores.events`)."""
+    """Two histories beyond the horizon, where only distributions compare (`harness.comparison.scores`)."""
 
     from_s: float
     until_s: float

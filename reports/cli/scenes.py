@@ -138,7 +138,7 @@ def compare(
     ] = None,
 ) -> None:
     """Score histories against each other: of engines on a scene, or of any software from two CSV files."""
-    from harness.comparison.scores.pointwise import Measured
+    from harness.comparison.scores import Measured
     from harness.model import info, to_plain
     from harness.records.base import option_words
     from reports.terminal import wrapped
@@ -177,7 +177,7 @@ def compared_histories(
     files: Sequence[Path], out: Path | None, asked: Sequence[str], **stated: Any
 ) -> dict[str, Scores]:
     """The scores of two history files, written into `out` where it is given. Raises `InputError` for other files."""
-    from harness.comparison.history_files import compare_files, write_comparison
+    from harness.comparison.comparator import compare_files, write_comparison
 
     two = [path.suffix for path in files] == [".csv", ".csv"]
     require(two, "compare", "scenes, or exactly two .csv histories", ", ".join(map(str, files)))

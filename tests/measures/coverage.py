@@ -7,7 +7,7 @@ import numpy as np
 
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.base import Engine
 from harness.model import BaseExcitation, Contact, Form, Pedestal, Run, RunOptions, Scene, Statue
 

@@ -16,7 +16,7 @@ import numpy as np
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import SampledAcceleration
 from harness import Run, RunOptions, engines
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model import BaseExcitation, Scene
 from harness.questions.bench import hard_scenes

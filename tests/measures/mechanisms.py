@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness import Run, RunOptions, Scene, engines
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.base import Engine, EngineFailure
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.seeded_scenes import random_scene, wide_scene

@@ -10,7 +10,7 @@ from typing import Final
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration
 from harness import RunOptions, Scene, engines
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.base import Engine
 from tests.measures.contact_engines import analytic_run
 from tests.measures.seeded_scenes import random_scene

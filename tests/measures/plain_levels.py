@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from harness import Run, RunOptions, Scene, engines
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.base import Engine
 from harness.records.run import PLAIN
 from tests.measures.contact_engines import PAPER, analytic_run, paper_scene

@@ -12,7 +12,7 @@ from typing import Final
 from harness import Run, Scene, engines, simulate
 from harness.accuracy import horizon
 from harness.accuracy.horizon import horizon_of
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.questions.scene.witness import TARGET_RAD as JOINT_RAD
 from harness.records.run import LEAST_S, PLAIN
 from tests.measures.coverage import Statement, statement, truth_of

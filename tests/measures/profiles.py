@@ -13,7 +13,7 @@ import numpy as np
 from analytic.block import GRAVITY_M_S2
 from analytic.excitation import Excitation, Harmonic, ZeroExcitation
 from harness import Run, RunOptions, engines
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.input.mesh_statue import statue_of
 from harness.model import BaseExcitation, Contact, Form, Initial, Scene, Statue, block_of
 from meshes.solid import solid_from_mesh

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from typing import Final
 
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines import load
 from harness.model import SKIPS, Run, RunOptions, Scene
 from harness.questions.bench.standard_scenes import resolved, standard_set

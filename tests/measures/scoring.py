@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from harness.comparison.comparator import compare
-from harness.comparison.scores import pointwise as iso
+from harness.comparison.scores import ISO_SAMPLES, rate_by_iso, resampled
 from harness.model import pair
 from tests.doubles import rocking
 
@@ -34,11 +34,11 @@ def measure() -> list[dict[str, Any]]:
         {"what": "peak memory of that, MiB", "value": memory, "target": 1024.0},
     ]
     both = pair(histories[0], histories[1])
-    iso.rate(both)  # compiles the library's time warping
+    rate_by_iso(both)  # compiles the library's time warping
     bare, ours = math.inf, math.inf
     for _ in range(REPEATS):
         bare = min(bare, _seconds(lambda: _bare(both)))
-        ours = min(ours, _seconds(lambda: iso.rate(both)))
+        ours = min(ours, _seconds(lambda: rate_by_iso(both)))
     rows.append(
         {
             "what": "ISO/TS 18571 against the library's bare call on the same samples",
@@ -53,7 +53,7 @@ def measure() -> list[dict[str, Any]]:
 def _bare(both: Any) -> float:
     from objective_rating_metrics.rating import ISO18571
 
-    (a, b), step = iso.resampled(both, iso.SAMPLES)
+    (a, b), step = resampled(both, ISO_SAMPLES)
     return float(ISO18571(reference_curve=b, comparison_curve=a, dt=step).overall_rating(-1))
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final, Literal
 
 from harness import Run, RunOptions, Scene
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines import load
 from tests.measures.pages import renew, table
 from tests.scenes_for_tests import paestum

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from harness import Run, RunOptions, Scene, engines
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.base import EngineFailure
 from tests.measures.mechanisms import Change, changed
 from tests.measures.seeded_scenes import random_scene

@@ -9,7 +9,7 @@ import pytest
 
 from analytic import ZeroExcitation
 from harness import RunOptions, engines
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from tests.budgets_engines import PROFILE_FINE_RAD, PROFILE_RAD, REST_ANGLE_RAD, ROUNDING_RAD
 from tests.measures import profiles as bench
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from harness import Outcome, assess, compare, compare_files, load_scene
-from harness.comparison.history_files import write_comparison as write_comparison_of
+from harness.comparison.comparator import write_comparison as write_comparison_of
 from harness.comparison.statistics import FELL, Prediction, fit_fragility, score_outcomes
 from harness.model import Answer, info
 from harness.model import run as record

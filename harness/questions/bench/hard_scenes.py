@@ -10,7 +10,7 @@ import numpy as np
 from harness import engines
 from harness.accuracy.horizon import by_model
 from harness.accuracy.refinement import run_to_accuracy
-from harness.comparison.scores.pointwise import error_rad as difference_rad
+from harness.comparison.scores import error_rad as difference_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.model import SKIPS, Outcome, Run, RunOptions, Scene, number

@@ -10,7 +10,7 @@ from typing import Final
 from harness import engines
 from harness.accuracy.horizon import by_model
 from harness.accuracy.refinement import run_to_accuracy
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model import Finding, InputError, Run, RunOptions, Scene, caution, grouped, info, number
 from harness.questions.bench.parts import Cost, costs, timed

@@ -16,7 +16,7 @@ import tomli_w
 
 from harness import engines
 from harness.accuracy.refinement import first_level, run_to_accuracy
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model import Finding, InputError, Run, RunOptions, Scene, caution, grouped, info
 from harness.questions.bench.parts import cost, costs, timed

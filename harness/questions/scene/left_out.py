@@ -13,7 +13,7 @@ from harness import engines
 from harness.accuracy.horizon import settings_of
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
 from harness.comparison.comparator import CODES, compare
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.base import EngineFailure
 from harness.model import Finding, Run, RunOptions, Scene, caution, history
 from harness.records.scores import ROBUST, Evidence, Scores, Verdict

@@ -17,7 +17,7 @@ from harness.accuracy.horizon import MODEL, PERTURBED_SHARE, by_model, outgrown_
 from harness.accuracy.simulation import RunTarget, simulate_with
 from harness.accuracy.spread import Error, spread, target_of
 from harness.comparison.comparator import compare
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.analytic import by_other_impact
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model import Finding, Run, RunOptions, Scene, caution, changes_answer, info, number

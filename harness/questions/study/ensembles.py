@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 from harness.comparison.comparator import judge, shares, side_of
-from harness.comparison.scores.events import LEAST_VALUES
+from harness.comparison.scores import LEAST_VALUES
 from harness.comparison.statistics import (
     RESAMPLES,
     Prediction,

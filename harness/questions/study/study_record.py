@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from harness.comparison.scores.events import excursions, lost_j
+from harness.comparison.scores import excursions_of, lost_j
 from harness.input.tables import ContactTable
 from harness.model import (
     NUMBERS,
@@ -312,7 +312,7 @@ def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[Keyed
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
     weighed: dict[str | None, tuple[float | None, float | None]] = {}
     for key, history in _histories(rows, store):
-        told = excursions(history)
+        told = excursions_of(history)
         losses_j, impacts_s = (
             each[np.isfinite(each)] for each in (lost_j(told, scene.pivot_inertia_kg_m2), told.impact_s)
         )

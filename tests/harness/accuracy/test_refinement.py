@@ -13,7 +13,7 @@ from harness.accuracy import refinement
 from harness.accuracy.horizon import hopeless, outgrown_s
 from harness.accuracy.refinement import run_to_accuracy
 from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
-from harness.comparison.scores.pointwise import errors
+from harness.comparison.scores import errors
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D

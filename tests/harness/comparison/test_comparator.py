@@ -315,11 +315,11 @@ def test_an_empty_or_broken_file_is_an_error_that_names_it(tmp_path: Path, text:
 
 def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Speed is held by counting: each history is searched for excursions once, and no sample is interpolated on equal grids."""
-    from harness.comparison.scores import events
+    from harness.comparison import comparator
     from harness.model import History
 
     counts = {"excursions": 0, "slip_at": 0}
-    real = events.excursions
+    real = comparator.excursions_of
 
     def counted(history: object) -> object:
         counts["excursions"] += 1
@@ -328,7 +328,7 @@ def test_a_pair_costs_a_bounded_number_of_passes(monkeypatch: pytest.MonkeyPatch
     def refused(*_: object) -> None:
         counts["slip_at"] += 1
 
-    monkeypatch.setattr(events, "excursions", counted)
+    monkeypatch.setattr(comparator, "excursions_of", counted)
     monkeypatch.setattr(History, "slip_at", refused)
     compare(doubles.rocking(), doubles.rocking(amplitude_rad=0.12))
     assert counts == {"excursions": 2, "slip_at": 0}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness import load_scene
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D

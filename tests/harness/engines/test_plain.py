@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from harness import RunOptions
-from harness.comparison.scores.pointwise import error_rad, errors
+from harness.comparison.scores import error_rad, errors
 from harness.engines.base import Engine
 from harness.engines.stepping.coulomb import followed
 from harness.model import Contact, Scene

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import harness
 from harness import History, InputError, compare
-from harness.comparison.scores.pointwise import COVERAGE, Measured
+from harness.comparison.scores import COVERAGE, Measured
 from reports.cli import app
 from tests import doubles
 from tests.budgets_compare import ROUNDING_REL

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import InputError, compare
-from harness.comparison.scores import pointwise as iso
+from harness.comparison.scores import rate_by_iso, resampled
 from harness.model import pair
 from tests import doubles
 
@@ -34,8 +34,8 @@ def test_the_rating_is_the_library_s_on_the_resampled_curves() -> None:
 
     history = doubles.rocking()
     both = pair(doubles.shifted(history, 0.05), history)
-    found = iso.rate(both, samples=101)
-    (a, b), step = iso.resampled(both, 101)
+    found = rate_by_iso(both, samples=101)
+    (a, b), step = resampled(both, 101)
     bare = ISO18571(reference_curve=b, comparison_curve=a, dt=step)
     assert found.overall == bare.overall_rating(-1)
     assert found.resampled_dt_s == pytest.approx(0.1)
@@ -44,14 +44,14 @@ def test_the_rating_is_the_library_s_on_the_resampled_curves() -> None:
 
 def test_identical_histories_rate_one() -> None:
     history = doubles.rocking()
-    found = iso.rate(pair(history, history), 101)
+    found = rate_by_iso(pair(history, history), 101)
     assert [getattr(found, part) for part in (*PARTS, "overall")] == [1.0] * 5
 
 
 def test_known_parts_by_hand() -> None:
     """Scaled by 1.2 in phase: the corridor holds |Δ| = 0.2|θ|, magnitude (0.5 − 0.2)/0.5 = 0.6, slope (2 − 0.2)/2 = 0.9."""
     history = doubles.wave()
-    found = iso.rate(pair(doubles.scaled(history, 1.2), history), 201)
+    found = rate_by_iso(pair(doubles.scaled(history, 1.2), history), 201)
     size = np.abs(np.sin(2 * np.pi * np.linspace(0.0, 4.0, 201)))
     corridor = np.where(0.2 * size < 0.05, 1.0, ((0.5 - 0.2 * size) / 0.45) ** 2)
     assert found.corridor == pytest.approx(float(corridor.mean()), abs=1 / 201)  # one sample on the corridor's edge
@@ -68,7 +68,7 @@ def test_doubles_rank_as_expected() -> None:
         "late": doubles.shifted(history, 0.2),
         "flipped": doubles.flipped(history),
     }
-    rated = {name: iso.rate(pair(double, history), 101).overall for name, double in names.items()}
+    rated = {name: rate_by_iso(pair(double, history), 101).overall for name, double in names.items()}
     assert rated["near"] > rated["late"] > rated["flipped"]
 
 

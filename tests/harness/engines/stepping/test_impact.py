@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.stepping.loop import imposed_rates
 from harness.model import Form, Scene
 from tests import budgets_engines as budget

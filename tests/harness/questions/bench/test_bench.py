@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from harness import History, engines
-from harness.comparison.scores.pointwise import error_rad
+from harness.comparison.scores import error_rad
 from harness.engines.base import EngineFailure
 from harness.model import SKIPS, RunOptions
 from harness.questions.bench import precision, scaling, skips

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness import History, RunOptions
-from harness.comparison.scores.events import excursions, lost_j
+from harness.comparison.scores import excursions_of, lost_j
 from harness.engines import load
 from tests import budgets
 from tests.scenes_for_tests import paestum
@@ -25,7 +25,7 @@ def test_the_first_impacts_of_the_papers_statue_lose_what_is_known(name: str) ->
     engine = load(name)
     run = engine.simulate(scene, engine.settings_for_dt(scene, 5e-4), RunOptions())
     assert run.history is not None
-    told = excursions(run.history)
+    told = excursions_of(run.history)
     lost = lost_j(told, scene.pivot_inertia_kg_m2)
     assert lost[np.isfinite(lost)] == pytest.approx(KNOWN_J, rel=budgets.IMPACT_LOSS_REL)
     assert told.impact_s[told.landed][-1] == pytest.approx(LAST_S, abs=2.0 * scene.output_dt_s)
@@ -37,7 +37,7 @@ def test_trembling_and_rest_lose_nothing_that_could_be_told() -> None:
         phase = 2.0 * np.pi * frequency_hz * t_s + 0.5
         theta, rate = amplitude_rad * np.sin(phase), amplitude_rad * 2.0 * np.pi * frequency_hz * np.cos(phase)
         still = np.zeros_like(t_s)
-        told = excursions(History(t_s, theta, rate, still, still))
+        told = excursions_of(History(t_s, theta, rate, still, still))
         assert lost_j(told, {1: 100.0, -1: 100.0}).size == told.impact_s.size == 0
     two = np.array([0.0, 1e-3])
-    assert excursions(History(two, *np.zeros((4, 2)))).impact_s.size == 0
+    assert excursions_of(History(two, *np.zeros((4, 2)))).impact_s.size == 0

@@ -1,6 +1,4 @@
-"""Uplifts and impacts of a history, found in the same way on both sides, and matched between two histories."""
-
-from __future__ import annotations
+"""Scores of two rotation histories: sample by sample, by their uplifts and impacts, and by distribution; none knows an engine."""
 
 import math
 from collections.abc import Mapping
@@ -11,63 +9,195 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.comparison.statistics import area_metric, compare_distributions, ks_distance
-from harness.model import Array, History, Pair
-from harness.records.scores import AfterHorizon, Apart, PeaksApart
+from harness.model import Array, Finding, History, Pair, Run, caution, first_beyond_s, info, require, translated
+from harness.records.scores import AfterHorizon, Apart, ComparisonError, IsoRating, PeaksApart
 
-# Two histories beyond the horizon, where no instant of one can be asked of the other: their distributions.
+# Sample by sample: differences, peaks, how long two histories stay together.
 
-LEAST_VALUES: Final = 8
-"""Fewer values than this have no distribution worth a probability: a quartile would rest on two values."""
-RESAMPLES: Final = 200
-"""Resamples for the interval and for what chance alone gives: the 95 % quantile then rests on 10 of them."""
-INSTANTS: Final = 1001
-"""Equally spaced instants that stand for the rotation's distribution: a thousandth in probability."""
+INSTANTS: Final = 4000
+"""Instants at which two histories are compared: the finest features, impacts, last longer than a thousandth of any scene."""
 
 
-def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s: float) -> AfterHorizon | None:
-    """Distributions of the excursions' peaks and of the rotation after `until_s`; None when it is not passed.
-
-    `peaks` holds the distances of the peaks' distributions, with their interval and what chance alone would give from 8
-    excursions on (as if excursions did not depend on each other); `rotation` those of |θ| over time.
-    """
-    if until_s >= both.end_s:
-        return None
-    begin_s = max(until_s, both.start_s)
-    peaks = [np.abs(each.peak_rad[each.uplift_s > begin_s]) for each in excursions]
-    # Equally spaced instants, so that every one stands for the same time.
-    t_s = np.linspace(begin_s, both.end_s, INSTANTS)
-    rotation = [np.abs(np.interp(t_s, both.t_s, theta)) for theta in (both.theta_a_rad, both.theta_b_rad)]
-    largest = [
-        max(float(theta.max()), float(peak.max(initial=0.0))) for theta, peak in zip(rotation, peaks, strict=True)
-    ]
-    return AfterHorizon(
-        from_s=begin_s,
-        until_s=both.end_s,
-        largest_a_rad=largest[0],
-        largest_b_rad=largest[1],
-        last_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]),
-        last_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]),
-        rotation=Apart(area_metric(*rotation), ks_distance(*rotation)),
-        excursions_a=peaks[0].size,
-        excursions_b=peaks[1].size,
-        peaks=_peaks(*peaks),
+def errors(run: Run, other: Run, until_s: float = math.inf) -> tuple[float, float]:
+    """Largest differences of rotation, rad, and slip, m, at a run's samples while both last; infinite without histories."""
+    if run.history is None or other.history is None:
+        return math.inf, math.inf
+    times = run.history.t_s[run.history.t_s <= min(until_s, run.end_s, other.end_s)]
+    return (
+        float(np.max(np.abs(run.history.at(times) - other.history.at(times)), initial=0.0)),
+        float(np.max(np.abs(run.history.slip_at(times) - other.history.slip_at(times)), initial=0.0)),
     )
 
 
-def _peaks(a: Array, b: Array) -> PeaksApart | None:
-    if min(a.size, b.size) >= LEAST_VALUES:
-        scores = compare_distributions(a, b, resamples=RESAMPLES)
-        return PeaksApart(
-            area_rad=scores.area.value,
-            area_interval_rad=scores.area,
-            area_by_chance_rad=scores.area_null,
-            ks=scores.ks,
-            ks_p=scores.ks_p,
-        )
-    if min(a.size, b.size) == 0:
-        return None
-    return PeaksApart(area_rad=area_metric(a, b), ks=ks_distance(a, b))
+def error_rad(run: Run, other: Run, until_s: float = math.inf) -> float:
+    """Largest difference of two rotations, rad, at `INSTANTS`, up to the earlier end; infinite without histories."""
+    if run.history is None or other.history is None:
+        return math.inf
+    times = np.linspace(0.0, min(run.end_s, other.end_s, until_s), INSTANTS)
+    return float(np.max(np.abs(run.history.at(times) - other.history.at(times))))
 
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest rotation by size, signed, and its time."""
+
+    theta_rad: float
+    time_s: float
+
+
+def rms(pair: Pair, values: Array) -> float:
+    """Root mean square of values (n,) over the window, weighted by time."""
+    return math.sqrt(pair.integral(values, values) / float(pair.weights_s.sum()))
+
+
+def peak_of(history: History, until_s: float = math.inf) -> Peak:
+    """The largest |θ| up to `until_s`, signed; between samples it is the Hermite value where the rate, taken as linear, vanishes.
+
+    A history that begins later than `until_s` gives its first sample.
+    """
+    count = max(int(np.searchsorted(history.t_s, until_s, side="right")), 1)
+    k = int(np.argmax(np.abs(history.theta_rad[:count])))
+    best = Peak(float(history.theta_rad[k]), float(history.t_s[k]))
+    rate = history.theta_rate_rad_s
+    for i in (k - 1, k):
+        if i < 0 or i + 1 >= rate.size or rate[i] * rate[i + 1] >= 0.0:
+            continue
+        share = rate[i] / (rate[i] - rate[i + 1])
+        time = float(history.t_s[i] + share * (history.t_s[i + 1] - history.t_s[i]))
+        theta = float(history.at(np.array([time]))[0])
+        if abs(theta) > abs(best.theta_rad) and time <= until_s:
+            best = Peak(theta, time)
+    return best
+
+
+def sprague_geers(pair: Pair) -> dict[str, Any]:
+    """Sprague and Geers' integral errors, b being the reference (Shock and Vibration Bulletin 60, 1989).
+
+    M = √(∫a²/∫b²) − 1, P = acos(∫ab/√(∫a²∫b²))/π, C = √(M² + P²).
+    """
+    a, b = pair.theta_a_rad, pair.theta_b_rad
+    aa, bb, ab = pair.integral(a, a), pair.integral(b, b), pair.integral(a, b)
+    if aa == 0.0 and bb == 0.0:
+        return {"magnitude": 0.0, "phase": 0.0, "combined": 0.0}
+    magnitude = None if bb == 0.0 else math.sqrt(aa / bb) - 1.0
+    if aa == 0.0 or bb == 0.0:
+        return {"magnitude": magnitude, "phase": None, "combined": None}
+    phase = 0.0 if np.array_equal(a, b) else math.acos(min(max(ab / math.sqrt(aa * bb), -1.0), 1.0)) / math.pi
+    return {"magnitude": magnitude, "phase": phase, "combined": math.hypot(magnitude or 0.0, phase)}
+
+
+def together_until_s(pair: Pair, tolerance_rad: float) -> float:
+    """The time up to which |θ_a − θ_b| has stayed within the tolerance; the window's end when it always does."""
+    left = first_beyond_s(pair.t_s, np.abs(pair.difference_rad), tolerance_rad)
+    return pair.end_s if left is None else left
+
+
+# ISO/TS 18571 by the library of TU Graz (extra `iso`), on a stated resampling; loaded only when asked.
+
+ISO_SAMPLES: Final = 1001
+"""Samples after resampling: the rating's time warping costs the square of their number in time and memory."""
+
+WEIGHTS: Final = {"corridor": 0.4, "phase": 0.2, "magnitude": 0.2, "slope": 0.2}
+"""Weights of the overall rating (ISO/TS 18571, also the library's defaults)."""
+
+
+def rate_by_iso(pair: Pair, samples: int = ISO_SAMPLES) -> IsoRating:
+    """Corridor, phase, magnitude, slope and overall rating (1 is perfect) of θ_a against θ_b.
+
+    The specification was made for signals at 10 kHz; here both histories are resampled linearly to `samples` equal steps over
+    the window, and that step is stated. Raises `InputError` when the extra is not installed, the window is too short, or a
+    history does not move (the rating divides by its norm).
+    """
+    advice = 'install it: pip install "rockcheck[iso]"'
+    with translated(ImportError, "--iso", "the extra `iso`", "no objective_rating_metrics", advice):
+        from objective_rating_metrics.rating import ISO18571
+    require(pair.t_s.size >= 10, "--iso", "at least 10 common samples", f"{pair.t_s.size}")
+    require(
+        np.ptp(pair.theta_a_rad) > 0.0 and np.ptp(pair.theta_b_rad) > 0.0,
+        "--iso",
+        "two histories that move",
+        "one that stays at a constant rotation",
+    )
+    curves, step = resampled(pair, samples)
+    rating = ISO18571(reference_curve=curves[1], comparison_curve=curves[0], dt=step)
+    # Each rating once: the library's own overall_rating computes them all again.
+    parts = {
+        "corridor": float(rating.corridor_rating(-1)),
+        "phase": float(rating.phase_rating(-1)),
+        "magnitude": float(rating.magnitude_rating(-1)),
+        "slope": float(rating.slope_rating(-1)),
+    }
+    overall = sum(WEIGHTS[name] * value for name, value in parts.items())
+    return IsoRating(**parts, overall=overall, resampled_dt_s=step, samples=samples)
+
+
+def resampled(pair: Pair, samples: int) -> tuple[tuple[Any, Any], float]:
+    """Both rotations as (samples, 2) arrays of time and value on equal steps, and the step in s."""
+    t_s = np.linspace(pair.start_s, pair.end_s, samples)
+    curves = [np.column_stack((t_s, np.interp(t_s, pair.t_s, x))) for x in (pair.theta_a_rad, pair.theta_b_rad)]
+    return (curves[0], curves[1]), float(t_s[1] - t_s[0])
+
+
+# A simulation against a measurement: the comparison error E = S − D and the uncertainties of both (ASME V&V 20).
+
+RECTANGLE: Final = 1.0 / math.sqrt(3.0)
+"""Standard uncertainty of what is only known to lie within ± 1 (GUM, 4.3.7): a stated numerical error is such a bound."""
+COVERAGE: Final = 2.0
+"""Standard uncertainties within which 95 % of errors lie."""
+LARGEST_RAD: Final = 1.0
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Standard uncertainties, rad, of a measured rotation, and of a computed one because its inputs are not known."""
+
+    data_rad: float
+    input_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("--measured-uncertainty", self.data_rad), ("--input-uncertainty", self.input_rad)):
+            require(0.0 <= value < LARGEST_RAD, name, f"a rotation from 0 to {LARGEST_RAD:g} rad", f"{value!r}")
+
+
+def comparison_error(
+    within: Pair, peaks: tuple[Peak, Peak], numerical_rad: float, measured: Measured, until_s: float | None = None
+) -> tuple[ComparisonError, Finding]:
+    """E of the largest rotation and over the history of a simulation (first) against a measurement, and what it says.
+
+    `numerical_rad` bounds the simulation's numerical error; `until_s`: up to when they are compared, where that is not to the
+    end. ASME V&V 20-2009, section 1: u_val² = u_num² + u_input² + u_D², and the model's own error lies within E ± 2 u_val.
+    """
+    simulated, seen = (abs(each.theta_rad) for each in peaks)
+    own = RECTANGLE * numerical_rad
+    total = math.hypot(own, measured.input_rad, measured.data_rad)
+    beyond = np.abs(within.difference_rad) > COVERAGE * total
+    found = ComparisonError(
+        simulated_rad=simulated,
+        measured_rad=seen,
+        error_rad=simulated - seen,
+        rms_error_rad=rms(within, within.difference_rad),
+        beyond_share=float(within.weights_s @ beyond / within.weights_s.sum()),
+        u_num_rad=own,
+        u_input_rad=measured.input_rad,
+        u_data_rad=measured.data_rad,
+        u_val_rad=total,
+    )
+    apart = abs(found.error_rad) > COVERAGE * total
+    values = {
+        "until_s": until_s,
+        "error_rad": found.error_rad,
+        "u_val_rad": total,
+        "beyond_share": found.beyond_share,
+        "low_rad": found.error_rad - COVERAGE * total,
+        "high_rad": found.error_rad + COVERAGE * total,
+        "u_num_rad": own,
+        "u_input_rad": measured.input_rad,
+        "u_data_rad": measured.data_rad,
+    }
+    return found, caution("model_error", **values) if apart else info("model_error_not_told", **values)
+
+
+# Uplifts and impacts of a history, found in the same way on both sides, and matched between two histories.
 
 Signs = NDArray[np.int8]
 
@@ -111,7 +241,7 @@ NO_EXCURSIONS: Final = Excursions(
 )
 
 
-def excursions(history: History, threshold_rad: float = UPLIFT_RAD) -> Excursions:
+def excursions_of(history: History, threshold_rad: float = UPLIFT_RAD) -> Excursions:
     """All excursions of a history beyond `threshold_rad`, in the order of time."""
     t, theta, rate = history.t_s, history.theta_rad, history.theta_rate_rad_s
     side = np.zeros(theta.size + 2, dtype=np.int8)
@@ -140,11 +270,12 @@ def excursions(history: History, threshold_rad: float = UPLIFT_RAD) -> Excursion
 
 def _from_rest(rate: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Whether the statue paused before each excursion: between two arcs of rocking the rate never falls to a fifth."""
-    paused = np.ones(first.size, dtype=np.bool_)
-    for k in range(1, first.size):
-        between = rate[last[k - 1] + 1 : first[k]]
-        paused[k] = between.size > 0 and np.abs(between).min() < 0.2 * abs(rate[first[k]])
-    return paused
+    between = [rate[landed + 1 : lifted] for landed, lifted in zip(last[:-1], first[1:], strict=True)]
+    paused = [
+        each.size > 0 and np.abs(each).min() < 0.2 * abs(rate[lifted])
+        for each, lifted in zip(between, first[1:], strict=True)
+    ]
+    return np.array([True, *paused], dtype=np.bool_)
 
 
 def _crossing(t: Array, theta: Array, first: NDArray[np.intp], level: Array) -> Array:
@@ -265,6 +396,9 @@ def _nearest(from_s: Array, to_s: Array) -> NDArray[np.intp]:
 
 # Scores of events: matched uplifts and impacts.
 
+Inertia = Mapping[int, float]
+"""J_s about the corner on each side (+1 right, −1 left), for the energy of rocking, ½ J_s θ̇² (docs/model.md, section 1)."""
+
 
 def event_scores(
     a: Excursions, b: Excursions, inertia: Inertia | None, common_s: tuple[float, float] = ALWAYS
@@ -303,10 +437,6 @@ def _list(values: Array) -> tuple[float | None, ...]:
     return tuple(None if math.isnan(value) else value for value in values.tolist())
 
 
-Inertia = Mapping[int, float]
-"""J_s about the corner on each side (+1 right, −1 left), for the energy of rocking, ½ J_s θ̇² (docs/model.md, section 1)."""
-
-
 def _about(inertia: Inertia, side: NDArray[Any]) -> Array:
     """J of the corner on each side, shape of `side`."""
     return np.where(side > 0, inertia[1], inertia[-1])
@@ -334,3 +464,58 @@ def lost_j(excursions: Excursions, inertia: Inertia) -> Array:
     before = 0.5 * _about(inertia, excursions.side) * excursions.rate_before_rad_s**2
     taken: Array = share_lost(excursions, inertia) * before
     return taken
+
+
+# Two histories beyond the horizon, where no instant of one can be asked of the other: their distributions.
+
+LEAST_VALUES: Final = 8
+"""Fewer values than this have no distribution worth a probability: a quartile would rest on two values."""
+RESAMPLES: Final = 200
+"""Resamples for the interval and for what chance alone gives: the 95 % quantile then rests on 10 of them."""
+ROTATION_INSTANTS: Final = 1001
+"""Equally spaced instants that stand for the rotation's distribution: a thousandth in probability."""
+
+
+def after_horizon(excursions: tuple[Excursions, Excursions], both: Pair, until_s: float) -> AfterHorizon | None:
+    """Distributions of the excursions' peaks and of the rotation after `until_s`; None when it is not passed.
+
+    `peaks` holds the distances of the peaks' distributions, with their interval and what chance alone would give from 8
+    excursions on (as if excursions did not depend on each other); `rotation` those of |θ| over time.
+    """
+    if until_s >= both.end_s:
+        return None
+    begin_s = max(until_s, both.start_s)
+    peaks = [np.abs(each.peak_rad[each.uplift_s > begin_s]) for each in excursions]
+    # Equally spaced instants, so that every one stands for the same time.
+    t_s = np.linspace(begin_s, both.end_s, ROTATION_INSTANTS)
+    rotation = [np.abs(np.interp(t_s, both.t_s, theta)) for theta in (both.theta_a_rad, both.theta_b_rad)]
+    largest = [
+        max(float(theta.max()), float(peak.max(initial=0.0))) for theta, peak in zip(rotation, peaks, strict=True)
+    ]
+    return AfterHorizon(
+        from_s=begin_s,
+        until_s=both.end_s,
+        largest_a_rad=largest[0],
+        largest_b_rad=largest[1],
+        last_difference_rad=float(both.theta_a_rad[-1] - both.theta_b_rad[-1]),
+        last_slip_difference_m=float(both.slip_a_m[-1] - both.slip_b_m[-1]),
+        rotation=Apart(area_metric(*rotation), ks_distance(*rotation)),
+        excursions_a=peaks[0].size,
+        excursions_b=peaks[1].size,
+        peaks=_peaks(*peaks),
+    )
+
+
+def _peaks(a: Array, b: Array) -> PeaksApart | None:
+    if min(a.size, b.size) >= LEAST_VALUES:
+        scores = compare_distributions(a, b, resamples=RESAMPLES)
+        return PeaksApart(
+            area_rad=scores.area.value,
+            area_interval_rad=scores.area,
+            area_by_chance_rad=scores.area_null,
+            ks=scores.ks,
+            ks_p=scores.ks_p,
+        )
+    if min(a.size, b.size) == 0:
+        return None
+    return PeaksApart(area_rad=area_metric(a, b), ks=ks_distance(a, b))

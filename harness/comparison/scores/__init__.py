@@ -1,1 +1,0 @@
-"""Scores of two rotation histories, one family to a file; none knows an engine."""
