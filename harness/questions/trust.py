@@ -51,9 +51,7 @@ from harness.questions.assess.sensitivity import crossing
 from harness.questions.scene.answer import counted
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.questions.scene.workload import check as check_work
-from harness.questions.study.case_selection import filled, refined
-from harness.questions.study.cases import BaseScene
-from harness.questions.study.file import Value
+from harness.questions.study.cases import BaseScene, Value, filled, refined
 from harness.records.assess import Assessment
 from harness.records.base import Plain, part, plain
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole

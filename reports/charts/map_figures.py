@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from harness.accuracy.horizon import MODEL
 from harness.model import grouped
-from harness.questions.study.case_selection import SAME_CELL, Place, filled
+from harness.questions.study.cases import SAME_CELL, Place, filled
 from harness.records.bench import StabilityCell
 from harness.records.trust import CLASSES, TrustCell, TrustMap
 from reports.charts import Json

@@ -21,11 +21,17 @@ from harness.questions.assess import assessment
 from harness.questions.assess.model_draws import as_coefficients
 from harness.questions.assess.options import read_options
 from harness.questions.assess.probability import MODEL
-from harness.questions.study import estimate
-from harness.questions.study.cases import base_of
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import base_of, load_study
 from harness.questions.study.study_record import export_csv, export_parquet, study_record
-from harness.questions.study.study_run import run_study, study_name, witness_study
+from harness.questions.study.study_run import (
+    RESULT_S,
+    limit_s,
+    run_study,
+    study_cost,
+    study_name,
+    told_size,
+    witness_study,
+)
 from harness.records.assess import AssessRecord
 from harness.records.base import Record, option_words
 from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, read_own, write_whole
@@ -77,15 +83,15 @@ def run(
         study = load_study(path)
         _check(folder, resume, export)
         base = base_of(study, path)
-        pool = pool or stack.enter_context(_pool(jobs, dask, estimate.limit_s(study, base.scene({}))))
+        pool = pool or stack.enter_context(_pool(jobs, dask, limit_s(study, base.scene({}))))
         start = time.perf_counter()
         # Its size is told, or refused, before anything is begun.
-        cost = estimate.cost(study, base, pool.workers, witness=witness)
-        size = estimate.check(study, cost.cpu_s, pool.workers, str(path), large=large)
+        cost = study_cost(study, base, pool.workers, witness=witness)
+        size = told_size(study, cost.cpu_s, pool.workers, str(path), large=large)
         size += LESS_STORED * (folder / STORE_NAME).exists()
         each_s = cost.each_s / pool.workers
         on_progress = stack.enter_context(
-            progress(study.title, quiet, size, workers=pool.workers, each_s=each_s, after_s=estimate.RESULT_S)
+            progress(study.title, quiet, size, workers=pool.workers, each_s=each_s, after_s=RESULT_S)
         )
         stack.enter_context(unbegun(folder))
         store = stack.enter_context(Store(folder / STORE_NAME))

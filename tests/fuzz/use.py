@@ -32,8 +32,7 @@ from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.questions.effects3d.search import changed_scene
 from harness.questions.effects3d.study import EffectsFile
 from harness.questions.scene.scene_run import run_scene, write_result
-from harness.questions.study.cases import base_of, base_of_scene, expand
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import base_of, base_of_scene, expand, load_study
 from harness.questions.trust import Plane, Points, engines_of, trust_map
 from harness.questions.validate import scenes as test_scenes
 from harness.questions.validate.drops import read_drops

@@ -14,8 +14,7 @@ import pytest
 from harness import Outcome, read_result
 from harness.comparison.statistics import score_outcomes, wilson
 from harness.model import Answer, caution, info, write_json
-from harness.questions.study.ensembles import score_sets
-from harness.questions.study.study_record import answer_of, findings_of
+from harness.questions.study.study_record import answer_of, findings_of, score_sets
 from harness.questions.validate.validation_run import answer_of as validation_answer
 from harness.records.base import as_file, plain
 from harness.records.bench import TOGETHER, BenchRecord, KnownFailure, Measure, PartRow, ScalingRow, StressRecord

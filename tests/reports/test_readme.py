@@ -86,7 +86,7 @@ def test_a_command_works_as_printed(desk: Path, data_dir: Path, line: str, monke
     monkeypatch.setenv("ROCKCHECK_DATA", str(data_dir.resolve()))
     words = shortened(line)
     if words[0] == "study":
-        from harness.questions.study.file import load_study
+        from harness.questions.study.cases import load_study
 
         assert load_study(desk / words[1])
         return

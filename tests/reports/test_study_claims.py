@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from harness.questions.study.cases import base_of, expand
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import base_of, expand, load_study
 from harness.records.base import as_file
 from reports.cli import studies
 from reports.messages import ENGLISH

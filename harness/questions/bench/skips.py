@@ -324,7 +324,7 @@ def _cached() -> SkipRow:
 @contextmanager
 def written_study(runs: int, engine: str) -> Iterator[Callable[[LocalPool], Any]]:
     """A study of the column over so many amplitudes, in a store of its own; yields what runs it in a pool."""
-    from harness.questions.study.file import load_study
+    from harness.questions.study.cases import load_study
     from harness.questions.study.study_run import run_study
 
     scene = {"title": "block", "duration_s": 5.0, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}

@@ -48,8 +48,7 @@ from harness.questions.effects3d.search import (
     without_meaning,
 )
 from harness.questions.scene.scene_run import run_scene, write_result
-from harness.questions.study.cases import BaseScene, base_of_scene
-from harness.questions.study.file import EngineName
+from harness.questions.study.cases import BaseScene, EngineName, base_of_scene
 from harness.records.base import part
 from harness.records.effects3d import (
     BASELINE,

@@ -27,9 +27,7 @@ from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD, own_settings
 from harness.model import NUMBERS, BaseExcitation, Outcome, column_of, to_plain
-from harness.questions.study import case_selection as selection
-from harness.questions.study.cases import BaseScene, CaseScenes, StillScene, expand
-from harness.questions.study.file import StudyFile, Value
+from harness.questions.study.cases import REFERENCE, BaseScene, CaseScenes, StillScene, StudyFile, Value, expand
 from harness.records.base import Plain
 from harness.records.study import CaseRun, StudyRow, TableRecord
 from harness.runs.store import STORE_NAME, PlannedRow, Store
@@ -123,7 +121,7 @@ MOST_SAMPLES: Final = 4_000_000
 
 def in_columns(study: StudyFile, base: BaseScene) -> bool:
     """Whether a study's results stand in columns: very many runs of the analytic model, for their outcomes alone."""
-    own = {name for variant in study.variant for name in variant.engines} == {selection.REFERENCE}
+    own = {name for variant in study.variant for name in variant.engines} == {REFERENCE}
     bare = study.ask.cases == "all" and not study.ask.histories and study.claims is None
     # A file that a case names is no part of its block's name, and what begins from a pose fails run by run.
     values = [value for item in study.vary for value in item.values or ()]
@@ -144,20 +142,20 @@ class CaseBlock:
 
 def block_tasks(study: StudyFile, base: BaseScene) -> Iterator[Task]:
     """The blocks of a study, in order; each is named by the study's content, its scene's (files included), and versions."""
-    asked = study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD)
-    request = RunRequest(lambda: base.scene({}), selection.REFERENCE, asked)
+    asked = study.asked_rad.get(REFERENCE, DEFAULT_ACCURACY_RAD)
+    request = RunRequest(lambda: base.scene({}), REFERENCE, asked)
     keys = [request.task(base.scene(variant.set)).key for variant in study.variant]
     name = key_of(study.model_dump_json(), base.content, keys)
     for start in range(0, study.runs, BLOCK):
         block = CaseBlock(study, base, range(start, min(start + BLOCK, study.runs)))
-        yield Task(key_of(name, start, BLOCK), run_block, block, selection.REFERENCE, runs=len(block.numbers))
+        yield Task(key_of(name, start, BLOCK), run_block, block, REFERENCE, runs=len(block.numbers))
 
 
 def run_block(block: CaseBlock) -> TaskResult:
     """Run every case of a block: its columns, and what they have in common."""
     begin = time.perf_counter()
     cases = list(expand(block.study, block.base, block.numbers))
-    runs = SweptRuns(block.base, block.study.asked_rad.get(selection.REFERENCE, DEFAULT_ACCURACY_RAD))
+    runs = SweptRuns(block.base, block.study.asked_rad.get(REFERENCE, DEFAULT_ACCURACY_RAD))
     for place, case in enumerate(cases):
         runs.add(place, case.setting)
     varied = {key: varied_column(block.study, key, [case.varied[key] for case in cases]) for key in cases[0].varied}
@@ -174,9 +172,9 @@ class SweptRuns:
 
     def __init__(self, base: BaseScene, asked_rad: float) -> None:
         self._base, self._asked = base, asked_rad
-        levels = engines.load(selection.REFERENCE).refinement_levels(base.scene({}))
+        levels = engines.load(REFERENCE).refinement_levels(base.scene({}))
         level = first_level(levels, self._asked, 1.0)[0]
-        chosen = own_settings(selection.REFERENCE, twoblock.TwoBlockSettings, level)
+        chosen = own_settings(REFERENCE, twoblock.TwoBlockSettings, level)
         self.settings = twoblock.stated_settings(chosen)
         self._scenes = _scenes(base, min(RELIABLE_RAD, chosen.accuracy_rad))
         self._gathered: list[Shaken] = []
@@ -192,7 +190,7 @@ class SweptRuns:
             shaken = Shaken(place, still, self._scenes.motion(setting, still.scene))
         except AnalyticInputError:
             made = partial(self._base.scene, setting)
-            answer = run_request(RunRequest(made, selection.REFERENCE, self._asked))
+            answer = run_request(RunRequest(made, REFERENCE, self._asked))
             self.failed += answer.failed
             self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})
             return

@@ -1,7 +1,7 @@
 """Many scenes, several engines: which case is sent to which engine and why; results are cached.
 
-A plan of any size is made as it is run; what is finished is never lost. Beside it a witness of a tenth of its scenes, and one
-scene's sweep.
+A plan of any size is made as it is run; what is finished is never lost. Beside it a witness of a tenth of its scenes, one
+scene's sweep, and how long a study may take.
 """
 
 import hashlib
@@ -9,13 +9,18 @@ import itertools
 import math
 import random
 import time
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
+
+import numpy as np
 
 from harness import engines
+from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.loop import refuse_steering
@@ -33,18 +38,36 @@ from harness.model import (
     versions,
 )
 from harness.model.run_set import run_set
-from harness.questions.scene.witness import findings_of, plain_names, witnesses
-from harness.questions.study import case_selection as selection
+from harness.questions.scene.witness import BUDGET, findings_of, plain_names, witnesses
+from harness.questions.scene.workload import LONGEST_S
 from harness.questions.study.case_blocks import SweptRuns, block_tasks, in_columns
-from harness.questions.study.cases import BaseScene, Case, base_of, expand
-from harness.questions.study.file import StudyFile, Value
+from harness.questions.study.cases import (
+    COARSEST,
+    EVERY,
+    NOT_SENT,
+    REFERENCE,
+    SAME_CELL,
+    BaseScene,
+    Case,
+    Place,
+    PlaceAnswer,
+    StudyFile,
+    Value,
+    base_of,
+    expand,
+    map_axes,
+    near_boundary,
+    rechecked,
+    refined,
+)
 from harness.records.base import part
 from harness.records.run import PLAIN, Witness
 from harness.records.study import CaseRun, StudySummary, StudyWitness, UsageRecord, WitnessCount
 from harness.runs.execute import Campaign, OnProgress, execute, silent
+from harness.runs.progress import counted, duration_words
 from harness.runs.runner import Pool
 from harness.runs.store import Store
-from harness.runs.task import RUN, RunRequest, Task, TaskResult, key_of
+from harness.runs.task import RUN, RunRequest, Task, TaskResult, key_of, scene_key
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""
@@ -79,7 +102,7 @@ def run_study(
         # To know which of very many cases are the same by their physics would take as long.
         campaign, tasks = Campaign(store, pool, on_progress), list(block_tasks(study, base))
         campaign.run(tasks, study.runs)
-        rows = [(task.argument.numbers.start, selection.REFERENCE, task.key, selection.EVERY, {}) for task in tasks]
+        rows = [(task.argument.numbers.start, REFERENCE, task.key, EVERY, {}) for task in tasks]
         counts = dict.fromkeys(("cases", "wanted", "distinct"), study.runs)
         counts["found"] = study.runs - campaign.computed
     else:
@@ -109,8 +132,8 @@ class StudyPlan:
         self._reasons: dict[tuple[int, str], str] = {}
         """Keys of what is asked, and why each case is or is not, by case and engine."""
         named = {name for variant in study.variant for name in variant.engines}
-        self._others = sorted(named - {selection.REFERENCE})
-        self.free = (selection.REFERENCE,) if self._others else ()
+        self._others = sorted(named - {REFERENCE})
+        self.free = (REFERENCE,) if self._others else ()
         """What costs next to nothing beside the others."""
 
     def rounds(self) -> Iterator[tuple[int, Iterable[Task]]]:
@@ -119,7 +142,7 @@ class StudyPlan:
         Contact engines' are in a seeded order, what is stored first: the rate at which they finish tells the time that is left.
         """
         stored = self._store.keys()
-        of_reference = 0 if self.free else self._study.runs, self._asked([selection.REFERENCE])
+        of_reference = 0 if self.free else self._study.runs, self._asked([REFERENCE])
         rests_on_it = self._study.ask.cases != "all"
         if rests_on_it:
             yield of_reference
@@ -132,7 +155,7 @@ class StudyPlan:
 
     def _asked(self, names: Sequence[str]) -> Iterator[Task]:
         """What these engines are asked now and were not asked before."""
-        left_out = selection.SAME_CELL if self._study.ask.cases == "adaptive" else selection.NOT_SENT
+        left_out = SAME_CELL if self._study.ask.cases == "adaptive" else NOT_SENT
         for name, variant in itertools.product(names, self._study.variant):
             if name not in variant.engines:
                 continue
@@ -149,19 +172,19 @@ class StudyPlan:
                     self._keys[place] = task.key
                     yield task
 
-    def _why(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, str]:
+    def _why(self, engine: str, cases: Sequence[Case]) -> dict[Place, str]:
         """Why each of these places is asked of an engine, from what is known so far."""
         ask, places = self._study.ask, [case.position for case in cases]
-        if engine == selection.REFERENCE or ask.cases == "all":
-            return dict.fromkeys(places, selection.EVERY)
+        if engine == REFERENCE or ask.cases == "all":
+            return dict.fromkeys(places, EVERY)
         if ask.cases == "boundary":
-            known = self._answers(selection.REFERENCE, cases)
-            return selection.near_boundary(known, ask.margin, ask.audit, self._study.seed)
+            known = self._answers(REFERENCE, cases)
+            return near_boundary(known, ask.margin, ask.audit, self._study.seed)
         outcomes = {place: answer.outcome for place, answer in self._answers(engine, cases).items()}
-        asked = selection.refined(places, outcomes, selection.map_axes(self._study))
-        return asked | selection.rechecked(places, ask.audit, self._study.seed)
+        asked = refined(places, outcomes, map_axes(self._study))
+        return asked | rechecked(places, ask.audit, self._study.seed)
 
-    def _answers(self, engine: str, cases: Sequence[Case]) -> dict[selection.Place, selection.PlaceAnswer]:
+    def _answers(self, engine: str, cases: Sequence[Case]) -> dict[Place, PlaceAnswer]:
         """What an engine has said of these cases."""
         answers = {}
         for case in cases:
@@ -171,7 +194,7 @@ class StudyPlan:
                 run = CaseRun.stored(record)
                 share = run.validity.get("peak_over_slenderness")
                 peak = float(share) if isinstance(share, (int, float)) and share else abs(run.peak_theta_rad)
-                answers[case.position] = selection.PlaceAnswer(run.outcome.value, peak)
+                answers[case.position] = PlaceAnswer(run.outcome.value, peak)
         return answers
 
     def rows(self) -> Iterator[PlanRow]:
@@ -336,3 +359,106 @@ def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float
     columns = runs.columns()
     numbers = {name: columns[name] for name in (*NUMBERS, "steps", "impacts")}
     return run_set(scene.title, settings, ["analytic"] * len(settings), columns["outcome"].tolist(), numbers)
+
+
+# How long a study may take, told before it begins; studies over a day need `--large`.
+
+
+TRIALS: Final = 16
+"""Drawn cases of each variant that are looked at: their mean is off by a sixth where one differs from another by two thirds."""
+CASE_S: Final = 5e-3
+"""Processor seconds of a case by the analytic model with what is around it: read, named, run, kept, scored and drawn."""
+ROW_S: Final = 6e-5
+"""The same where results stand in columns, for each second of motion."""
+RESULT_S: Final = 4.0
+"""To begin, to score, and to write the record and its pages."""
+BOUNDARY: Final = 4.0
+"""Points of an adaptive map along the line on which the outcome changes, in points along both axes."""
+SHORTEST_LIMIT_S: Final = 600.0
+"""A worker that has not answered for this long may still be compiling the model, or loading a large scan."""
+MOST_CASES: Final = 2_000_000
+"""Larger studies, and longer ones, are run only when that is asked for."""
+
+
+class StudyCost(NamedTuple):
+    """Processor seconds that a study is expected to take, and those of a run of a contact engine: 0 where it has none."""
+
+    cpu_s: float
+    each_s: float
+
+
+def study_cost(study: StudyFile, base: BaseScene, workers: int, *, witness: bool = False) -> StudyCost:
+    """What the study is expected to take, nothing of it being stored yet: by drawn cases of each variant.
+
+    What is the same to an engine by its physics counts once.
+    """
+    rows = study.points * sum(REFERENCE in variant.engines for variant in study.variant)
+    if in_columns(study, base) and not witness:
+        return StudyCost(RESULT_S + rows * ROW_S * base.scene(study.variant[0].set).duration_s, 0.0)
+    stream, spent, contact = random.Random(study.seed), 0.0, 0.0
+    steps: dict[tuple[str, bool], float] = defaultdict(float)
+    timed: dict[tuple[str, bool], tuple[float, Scene]] = {}
+    for variant in range(len(study.variant)):
+        drawn = stream.sample(range(study.points), min(TRIALS, study.points))
+        for case in expand(study, base, [len(study.variant) * point + variant for point in drawn]):
+            scene = base.scene(case.setting)
+            for name in sorted(set(case.engines) - {REFERENCE}):
+                runs = min(_sent(study), study.points / alike(study, base, case, name)) / len(drawn)
+                contact += runs
+                if name in CERTIFIED_S:
+                    spent += runs * run_s(name, scene).middle
+                    continue
+                kind = name, scene.pedestal is not None
+                each = expected_steps(name, scene, study.asked_rad.get(name)).middle
+                steps[kind] += runs * each
+                # The longest: in a fall steps take several times as long.
+                timed[kind] = max(timed.get(kind, (0.0, scene)), (each, scene), key=itemgetter(0))
+    spent += sum(
+        count * timed_step_s(kind[0], timed[kind][1], study.asked_rad.get(kind[0])) for kind, count in steps.items()
+    )
+    spent *= 1.0 + witness * SHARE * (1.0 + BUDGET)
+    return StudyCost(RESULT_S + START_S * workers + CASE_S * rows + spent, spent / contact if contact else 0.0)
+
+
+def alike(study: StudyFile, base: BaseScene, case: Case, name: str) -> float:
+    """How many cases of its variant are one run to an engine: the product of how many are along each axis through the case."""
+    engine, sizes = engines.load(name), [*study.sizes, len(study.variant)]
+
+    def key(place: tuple[int, ...]) -> str:
+        (there,) = expand(study, base, [int(np.ravel_multi_index(place, sizes))])
+        return scene_key(base.scene(there.setting), engine.capabilities)
+
+    here = study.place(case.number)
+    mine, product = key(here), 1.0
+    for axis, size in enumerate(study.sizes):
+        others = sorted({0, size // 2, size - 1} - {here[axis]})
+        same = [key((*here[:axis], at, *here[axis + 1 :])) == mine for at in others]
+        product *= 1.0 + (size - 1) * sum(same) / max(len(same), 1)
+    return product
+
+
+def limit_s(study: StudyFile, scene: Scene) -> float:
+    """How long a worker may go without an answer before it is taken to hang: a hundred times the forecast of its longest run."""
+    names = {engine for variant in study.variant for engine in variant.engines}
+    return SHORTEST_LIMIT_S + 100.0 * max(run_s(name, scene, study.asked_rad.get(name)).middle for name in names)
+
+
+def _sent(study: StudyFile) -> float:
+    """Cases that a contact engine may be asked."""
+    if study.ask.cases != "adaptive":
+        return float(study.points)
+    along = sum(study.vary[axis].count or 1 for axis in map_axes(study))
+    return min(study.points * (study.ask.audit + COARSEST**-2.0) + BOUNDARY * along, float(study.points))
+
+
+def told_size(study: StudyFile, cpu_s: float, workers: int, where: str, *, large: bool = False) -> str:
+    """The size of a study in words. Raises `InputError` for more cases or hours than anyone starts without knowing it."""
+    cases = study.points * len(study.variant)
+    at_most = "at most " if study.ask.cases != "all" else ""
+    spent, clock = duration_words(cpu_s), duration_words(cpu_s / workers)
+    size = f"{counted(cases, 'case')}, {at_most}{counted(study.runs, 'run')}"
+    told = f"{size}: {at_most}about {spent} of processor time, {clock} by the clock (workers: {workers})"
+    wanted = f"at most {MOST_CASES} cases and {duration_words(LONGEST_S)}"
+    advice = "a coarser grid, fewer samples, [ask] cases = 'adaptive' or 'boundary' for contact engines, or --large to run it all"
+    require(large or (cases <= MOST_CASES and cpu_s / workers <= LONGEST_S), where, wanted, told, advice, key="vary")
+    return told

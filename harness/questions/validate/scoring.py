@@ -25,7 +25,7 @@ from harness.comparison.statistics import (
 )
 from harness.model import Array, Outcome, grouped
 from harness.questions.study.case_blocks import KeyedRow
-from harness.questions.study.ensembles import score_sets
+from harness.questions.study.study_record import score_sets
 from harness.questions.validate.fit import Answers, FittedInputs, counted, fitted
 from harness.questions.validate.jobs import Drawn, Model
 from harness.questions.validate.scenes import Intensity, TrialVariant, scene_of

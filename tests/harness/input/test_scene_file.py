@@ -131,8 +131,7 @@ def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path
     from harness.input.tables import kind_of, read_model
     from harness.questions.effects3d.study import KIND, EffectsFile
     from harness.questions.study import rocking_spectrum
-    from harness.questions.study.cases import base_of, expand
-    from harness.questions.study.file import load_study
+    from harness.questions.study.cases import base_of, expand, load_study
 
     for path in sorted((root / "scenes").glob("*.toml")):
         if kind_of(path) == rocking_spectrum.KIND:

@@ -6,7 +6,7 @@ import pytest
 
 from harness.input import tables
 from harness.model import InputError, Mistake
-from harness.questions.study.file import StudyFile
+from harness.questions.study.cases import StudyFile
 
 GOOD = """
 title = "a block"

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from harness.model import InputError
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import load_study
 from harness.questions.study.study_run import run_study
 from harness.runs import runner as dask_pool
 from harness.runs.runner import AHEAD, DaskPool, Hung, LocalPool

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.questions.study import case_selection as selection
+from harness.questions.study import cases as selection
 from harness.records.study import Panel
 from reports.charts.figure import DARK, SURFACES
 from reports.charts.map_figures import LINES, map_figures, number_map, trust_map

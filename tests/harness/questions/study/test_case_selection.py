@@ -4,9 +4,8 @@ import itertools
 
 import pytest
 
-from harness.questions.study import case_selection as selection
-from harness.questions.study.case_selection import Place, PlaceAnswer
-from harness.questions.study.file import StudyFile
+from harness.questions.study import cases as selection
+from harness.questions.study.cases import Place, PlaceAnswer, StudyFile
 
 SIZE = 41
 

@@ -12,7 +12,7 @@ import pytest
 from harness import InputError, Outcome
 from harness.engines.stepping.loop import IMPOSED_LABEL
 from harness.questions.study import claims
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import load_study
 from harness.records.study import StudyRow, Value
 from tests import doubles
 from tests.harness.questions.study.small_study import STUDY, written

@@ -14,8 +14,7 @@ from analytic.block import AnalyticInputError
 from harness import InputError, StudyRecord
 from harness.questions.study import case_blocks
 from harness.questions.study.case_blocks import coarser, every_row, table
-from harness.questions.study.cases import CaseScenes
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import CaseScenes, load_study
 from harness.questions.study.study_run import run_study, study_name
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, PlannedRow, Store

@@ -5,9 +5,8 @@ from dataclasses import replace
 import pytest
 
 from harness.model import Outcome
-from harness.questions.study import case_selection as selection
-from harness.questions.study.case_selection import recheck
-from harness.questions.study.file import StudyFile
+from harness.questions.study import cases as selection
+from harness.questions.study.cases import StudyFile, recheck
 from harness.records.study import StudyRow, Value
 from tests import doubles
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from harness.model import InputError
-from harness.questions.study.cases import base_of, expand
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import base_of, expand, load_study
 from tests import budgets_assess as budget
 from tests.harness.questions.study.small_study import BLOCK, written
 

@@ -9,12 +9,10 @@ import pytest
 
 from harness import InputError, Scene, simulate
 from harness.model import to_plain
-from harness.questions.study import case_selection as selection
-from harness.questions.study import estimate
+from harness.questions.study import cases as selection
+from harness.questions.study import study_run
 from harness.questions.study.case_blocks import study_rows
-from harness.questions.study.case_selection import recheck
-from harness.questions.study.cases import BaseScene, base_of, expand
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import BaseScene, base_of, expand, load_study, recheck
 from harness.questions.study.study_run import Summary, run_study, study_name
 from harness.records.study import impacts
 from harness.runs.runner import Done, InlinePool, LocalPool, Pool, Work
@@ -179,31 +177,31 @@ def test_the_size_is_told_and_what_nobody_can_wait_for_is_refused(tmp_path: Path
     path = written(tmp_path, text)
     study = load_study(path)
     base = base_of(study, path)
-    assert estimate.check(study, estimate.cost(study, base, 2).cpu_s, 2, "study.toml").startswith(
+    assert study_run.told_size(study, study_run.study_cost(study, base, 2).cpu_s, 2, "study.toml").startswith(
         "60 cases, 120 runs: about "
     )
     huge = load_study(written(tmp_path, text.replace("count = 6", "count = 3000").replace("count = 5", "count = 3000")))
     with pytest.raises(InputError, match=r"^study.toml: vary: .* got 18000000 .* 36000000 .* 2.*--large"):
-        estimate.check(huge, estimate.cost(huge, base, 2).cpu_s, 2, "study.toml")
+        study_run.told_size(huge, study_run.study_cost(huge, base, 2).cpu_s, 2, "study.toml")
 
 
 def test_a_map_is_estimated_by_its_boundary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A step costs the same in both: what is compared is the number of steps, not two timings of a busy machine."""
-    monkeypatch.setattr(estimate, "timed_step_s", lambda *_: 1e-4)
+    monkeypatch.setattr(study_run, "timed_step_s", lambda *_: 1e-4)
     text = STUDY.replace('engines = ["analytic"]', 'engines = ["pybullet"]').replace("count = 6", "count = 65")
     text = text.replace("count = 5", "count = 65")
     whole, along = (
         load_study(written(tmp_path, text + ask)) for ask in ("", '[ask]\ncases = "adaptive"\naudit = 0.01\n')
     )
     base = base_of(whole, tmp_path / "study.toml")
-    assert estimate.cost(along, base, 1).cpu_s < 0.2 * estimate.cost(whole, base, 1).cpu_s
+    assert study_run.study_cost(along, base, 1).cpu_s < 0.2 * study_run.study_cost(whole, base, 1).cpu_s
 
 
 def test_a_forecast_counts_what_is_the_same_by_its_physics_once(tmp_path: Path) -> None:
     path = written(tmp_path)
     study = load_study(path)
     base = base_of(study, path)
-    counted = sum(1.0 / estimate.alike(study, base, case, "analytic") for case in expand(study, base))
+    counted = sum(1.0 / study_run.alike(study, base, case, "analytic") for case in expand(study, base))
     assert counted == pytest.approx(compute(path, tmp_path / "s.sqlite").distinct)
 
 

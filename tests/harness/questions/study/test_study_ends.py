@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from harness.questions.study.file import load_study
+from harness.questions.study.cases import load_study
 from harness.questions.study.study_run import run_study
 from harness.runs.execute import KEPT, Campaign
 from harness.runs.runner import LocalPool
