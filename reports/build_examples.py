@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Final
 
-from harness.input.paths import data_folder
+from harness.input.files import data_folder
 from harness.input.scene_file import load_scene
 from harness.model import Answer as Answered
 from harness.model import Outcome, Run, Say, info, machine, versions

@@ -11,7 +11,7 @@ from harness.engines.base import Engine, EngineFailure, LayerFault, own_failures
 from harness.model import Outcome, Run, RunOptions, Scene, must_be_scene, require
 
 if TYPE_CHECKING:
-    from harness.input.overrides import Overrides
+    from harness.input.tables import Overrides
 
 DEFAULT_ACCURACY_RAD: Final = 1e-3
 FINEST_DT_S: Final = 1e-6

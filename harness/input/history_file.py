@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
+from harness.input.files import decoded, is_decimal, numbers, read_bytes
 from harness.input.mistakes import MOST_MISTAKES, unsaid
-from harness.input.text_file import decoded, is_decimal, numbers, read_bytes
 from harness.model import COLUMNS, Array, History, InputError, Mistake, hermites, refuse, require, translated
 
 REQUIRED: Final = ("t_s", "theta_rad")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from harness.input import paths
+from harness.input.files import existing_file
 from harness.input.tables import AdjustTable, MeshTable, StatueTable
 from harness.model import (
     Array,
@@ -184,10 +184,10 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: lis
         "neither",
         key="statue.mesh.density_kg_m3",
     )
-    file = paths.resolve(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
+    file = existing_file(mesh.file, base_dir=path.parent, where=str(path), key="statue.mesh.file")
     inner = None
     if mesh.inner is not None:
-        inner = paths.resolve(mesh.inner.file, base_dir=path.parent, where=str(path), key="statue.mesh.inner.file")
+        inner = existing_file(mesh.inner.file, base_dir=path.parent, where=str(path), key="statue.mesh.inner.file")
     changed = tuple(item.stat().st_mtime_ns for item in (file, inner) if item is not None)
     try:
         solid = _solid(file, inner, changed, mesh, table.mass_kg)

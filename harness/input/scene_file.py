@@ -18,9 +18,16 @@ from analytic.block import AnalyticInputError
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
 from harness.input.mesh_statue import statue_from_mesh
-from harness.input.overrides import Overrides, plain, replacements
-from harness.input.tables import InitialTable, PedestalTable, SceneFile, StatueTable
-from harness.input.uncertain import uncertain_inputs
+from harness.input.tables import (
+    InitialTable,
+    Overrides,
+    PedestalTable,
+    SceneFile,
+    StatueTable,
+    plain,
+    replacements,
+    uncertain_inputs,
+)
 from harness.model import (
     Array,
     BaseExcitation,

@@ -1,22 +1,314 @@
-"""The scene file: what a user may write, validated strictly, every mistake listed at once."""
+"""The files that a user writes in TOML, a scene's above all: keys replaced, validated strictly, every mistake listed at once."""
 
 from __future__ import annotations
 
 import math
+import re
 import shlex
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from os import PathLike, fspath
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from types import MappingProxyType
+from typing import Annotated, Any, Final, Literal, TypeVar, cast
 
 from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationError, model_validator
 
 from analytic.block import GRAVITY_M_S2
-from harness.input.mistakes import UserTable, agree, mistakes_of
+from harness.input.mistakes import Contradiction, UserTable, agree, mistakes_of
 from harness.input.motions.spec import Motion, list_to_tuple
-from harness.input.overrides import Replacement, content_of, override
-from harness.input.uncertain import Distribution, uncertain_inputs
-from harness.model import InputError, Mistake, refuse, require, translated
+from harness.model import InputError, Mistake, Uncertain, nearest, refuse, require, translated
+
+# TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not have.
+
+MOST_KEYS: Final = 10_000
+"""Far more than any scene or study has; the tables of a million keys take gigabytes."""
+MOST_PARTS: Final = 16
+"""Parts of one dotted key, twice the deepest of a scene: what the parser keeps of a key grows with their square."""
+MOST: Final = 2**63
+"""Whole numbers of TOML have 64 bits."""
+_PART: Final = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')"""
+_DEEP: Final = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{MOST_PARTS}}}")
+
+
+def content_of(text: str, where: str, key: str = "") -> dict[str, JsonValue]:
+    """The content of a TOML text. Raises `TOMLDecodeError` where it is none, `InputError` where it is more than is read.
+
+    `key` is what the whole text belongs to, "" for a file, whose own keys and lines are named.
+    """
+    if (keys := text.count("=")) > MOST_KEYS:
+        raise InputError(Mistake(where, key, f"TOML of at most {MOST_KEYS} keys", str(keys)))
+    if deep := _DEEP.search(text):
+        place = key or f"line {text.count(chr(10), 0, deep.start()) + 1}"
+        raise InputError(Mistake(where, place, f"keys of at most {MOST_PARTS} parts", f"{deep.group()[:40]}..."))
+    try:
+        content: dict[str, JsonValue] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except RecursionError as error:
+        raise InputError(Mistake(where, key, "valid TOML", "values nested too deeply to read")) from error
+    except ValueError as error:  # Python's, of a number with thousands of digits
+        raise InputError(Mistake(where, key, "whole numbers of 64 bits", "one of thousands of digits")) from error
+    inside: list[tuple[str, JsonValue]] = [("", content)]
+    while inside:
+        name, value = inside.pop()
+        if isinstance(value, dict):
+            inside += [(f"{name}.{part}" if name else part, item) for part, item in value.items()]
+        elif isinstance(value, list):
+            inside += [(name, item) for item in value]
+        elif isinstance(value, int) and not -MOST <= value < MOST:
+            raise InputError(Mistake(where, key or name, "whole numbers of 64 bits", f"one of {value.bit_length()}"))
+    return content
+
+
+# Keys of a scene replaced: `KEY=VALUE` of a command line, or values by key of a program.
+
+Overrides = Sequence[str] | Mapping[str, object]
+"""`KEY=VALUE` texts with a dotted key and a TOML value, or values by dotted key; `none` or None removes the key."""
+Replacement = str | tuple[str, str, object]
+"""A `KEY=VALUE` text of a command line; or what a program named it by, the dotted key and the value."""
+OPTION: Final = "--set"
+DOT: Final = "__"
+"""Stands for a dot where a key is a Python keyword argument: `motion__x__amplitude_g`. No key of a scene holds it."""
+
+
+def plain(value: object) -> object:
+    """A program's value as a scene file holds it: numbers and arrays of any library, tuples, paths; no key without a value."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, PathLike):
+        return fspath(value)
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def replacements(overrides: Overrides, keywords: Mapping[str, object] = MappingProxyType({})) -> list[Replacement]:
+    """Both ways of a program to replace keys, in one list."""
+    given = [overrides] if isinstance(overrides, str) else overrides
+    items: list[Replacement] = []
+    if isinstance(given, Mapping):
+        items += [("overrides", key, plain(value)) for key, value in given.items()]
+    else:
+        items += given
+    return [*items, *((f"keyword {key}", key.replace(DOT, "."), plain(value)) for key, value in keywords.items())]
+
+
+def override(content: dict[str, JsonValue], items: Iterable[Replacement]) -> dict[tuple[str, ...], str]:
+    """Replace keys of a scene's content; returns by their parts what named them. Raises `InputError` with every mistake."""
+    mistakes: list[Mistake] = []
+    keys: dict[tuple[str, ...], str] = {}
+    for item in items:
+        try:
+            place, key, value = (OPTION, *_parted(item)) if isinstance(item, str) else item
+            keys[put(content, place, key, value)] = place
+        except InputError as error:
+            mistakes += error.mistakes
+    refuse(mistakes)
+    return keys
+
+
+def _parted(item: str) -> tuple[str, object]:
+    """Key and value of a `KEY=VALUE`; what is no TOML value is a text."""
+    key, equals, value = item.partition("=")
+    require(equals, OPTION, *_key_wanted(item), key=item)
+    try:
+        return key, content_of(f"value = {value}", OPTION, key)["value"]
+    except tomllib.TOMLDecodeError:
+        return key, value.strip()
+
+
+def _key_wanted(got: str) -> tuple[str, str]:
+    return "KEY=VALUE with a dotted key, such as motion.x.amplitude_g=0.3", repr(got)
+
+
+def put(content: dict[str, JsonValue], place: str, key: str, value: object) -> tuple[str, ...]:
+    """Set one dotted key of a scene's content, or remove it (None, "none"); returns its parts.
+
+    `place` is what names it. Raises `InputError` where the path is no table.
+    """
+    parts = tuple(part.strip() for part in key.split("."))
+    require(all(parts), place, *_key_wanted(key), key=key)
+    table = content
+    for part in parts[:-1]:
+        inner = table.setdefault(part, {})
+        if not isinstance(inner, dict):
+            raise InputError(Mistake(place, key, f"a key inside a table, but {part} is a value", repr(key)))
+        table = inner
+    if value is None or value == "none":
+        table.pop(parts[-1], None)
+    else:
+        table[parts[-1]] = cast(JsonValue, value)
+    return parts
+
+
+# `[uncertainty]`: which numbers of a scene are not known, and how far; where nobody says, a distribution for each kind of key.
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """Keys (`*` stands for an axis), and their distribution's kind and width."""
+
+    keys: str
+    kind: Literal["lognormal", "normal", "uniform"]
+    width: float
+
+    @property
+    def name(self) -> str:
+        """What names it in the catalogues of messages, where the source of its width stands."""
+        return self.keys.replace(".", "_").replace("*", "axis")
+
+
+ASSUMPTIONS: Final = (
+    Assumption("contact.floor", "lognormal", 0.15),
+    Assumption("contact.statue", "lognormal", 0.15),
+    Assumption("contact.floor_impact", "uniform", 0.5),
+    Assumption("motion.scale", "lognormal", 0.1),
+    Assumption("motion.*.frequency_hz", "lognormal", 0.05),
+    Assumption("statue.mesh.density_kg_m3", "lognormal", 0.03),
+    Assumption("motion.time_scale", "lognormal", 0.05),
+    Assumption("statue.mass_kg", "lognormal", 0.03),
+    Assumption("statue.centroid_height_m", "lognormal", 0.02),
+    Assumption("statue.mesh.adjust.centroid_rel", "normal", 0.02),
+    Assumption("statue.corner_left_m", "uniform", 0.005),
+    Assumption("statue.corner_right_m", "uniform", 0.005),
+    Assumption("statue.mesh.adjust.base_rel", "uniform", 0.02),
+    Assumption("statue.mesh.contact_tolerance_m", "lognormal", 0.5),
+    Assumption("statue.mesh.azimuth_deg", "normal", 2.0),
+    Assumption("pedestal.offset_m", "uniform", 0.01),
+    Assumption("contact.restitution", "normal", 0.037),
+)
+"""What each width rests on stands in the catalogues of messages; of one that the project chose itself they say so."""
+
+
+def assumption(key: str) -> Assumption | None:
+    """What is assumed of a key, None where nothing is."""
+    return next((item for item in ASSUMPTIONS if fnmatchcase(key, item.keys)), None)
+
+
+JOINT: Final = {"contact.floor": "contact.floor_static"}
+"""Keys that stand for several numbers moved by one factor, and the number that their median is told by."""
+IMPACT: Final = "contact.floor_impact"
+"""Told, and drawn, by its place between the two coefficients of the floor: 0 is the kinetic one, 1 the static."""
+FACTORS: Final = {"motion.time_scale": 1.0}
+"""Keys that stand for no number of the file but for a factor on what it holds, and that factor as the scene is."""
+WIDTHS: Final = {"lognormal": "cov", "normal": "sd", "uniform": "half_width"}
+
+
+class _Spread(UserTable):
+    """What every distribution may say: `rho` goes with the earlier key that it names."""
+
+    correlated_with: str | None = None
+    rho: Annotated[float | None, Field(gt=-1.0, lt=1.0)] = None
+
+
+class Lognormal(_Spread):
+    """The scene's value times exp(s Z), s² = ln(1 + cov²): its median is the scene's value."""
+
+    kind: Literal["lognormal"]
+    cov: Annotated[float, Field(gt=0.0, le=2.0)]
+
+
+class Normal(_Spread):
+    """The scene's value plus a normal number of this standard deviation, in the key's own unit."""
+
+    kind: Literal["normal"]
+    sd: Annotated[float, Field(gt=0.0, le=1e6)]
+
+
+class Uniform(_Spread):
+    """Anything within `half_width` of the scene's value, in the key's own unit."""
+
+    kind: Literal["uniform"]
+    half_width: Annotated[float, Field(gt=0.0, le=1e6)]
+
+
+class Assumed(_Spread):
+    """The distribution that is assumed of such a key."""
+
+    kind: Literal["assumed"]
+
+
+Distribution = Annotated[Lognormal | Normal | Uniform | Assumed, Field(discriminator="kind")]
+
+
+def uncertain_inputs(model: BaseModel, spreads: Mapping[str, Distribution]) -> tuple[Uncertain, ...]:
+    """What `[uncertainty]` says, each with the scene file's own value. Raises `Contradiction` for a key without a number."""
+    inputs: list[Uncertain] = []
+    for key, spread in spreads.items():
+        before, other = [item.key for item in inputs], spread.correlated_with
+        place, earlier = (
+            f'uncertainty."{key}"',
+            f"an earlier key of the table ({', '.join(before) or 'this is the first'})",
+        )
+        twice = next((name for name in before if _moves(name) & _moves(key)), None)
+        agree(
+            ((other is None) == (spread.rho is None), place, "correlated_with and rho together", "one of them"),
+            (other is None or other in before, place, f"correlated_with {earlier}", repr(other)),
+            (twice is None, place, f"one key for each number: {twice} moves it too", key),
+        )
+        item = _uncertain(model, key, spread)
+        inputs.append(replace(item, correlated_with=other, rho=spread.rho or 0.0))
+    return tuple(inputs)
+
+
+def _moves(key: str) -> set[str]:
+    """The numbers of the file that a key of `[uncertainty]` moves."""
+    return {"contact.floor_static", "contact.floor_kinetic"} if key == "contact.floor" else {key}
+
+
+def _uncertain(model: BaseModel, key: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
+    place = f'uncertainty."{key}"'
+    if key == IMPACT:
+        return _impact(model, place, spread)
+    value = FACTORS.get(key, _number(model, JOINT.get(key, key)))
+    if value is None or key.startswith("uncertainty"):
+        advice = nearest(key, [item.keys for item in ASSUMPTIONS]) if assumption(key) is None else ""
+        raise Contradiction(
+            place,
+            'the dotted key of a number of this scene, such as "contact.floor" or "motion.scale"',
+            "; ".join(filter(None, ("no such number", advice))),
+        )
+    if spread.kind == "assumed":
+        if (given := assumption(key)) is None:
+            wanted = f"one of the keys of which a width is assumed ({', '.join(item.keys for item in ASSUMPTIONS)})"
+            raise Contradiction(place, f"a distribution, or {wanted}", "assumed")
+        kind, width = given.kind, given.width
+    else:
+        kind, width = spread.kind, float(getattr(spread, WIDTHS[spread.kind]))
+    positive = kind != "lognormal" or value > 0.0
+    agree((positive, place, "a positive value for a lognormal distribution", f"{key} = {value:g}"))
+    return Uncertain(key, kind, value, width)
+
+
+def _impact(model: BaseModel, place: str, spread: Lognormal | Normal | Uniform | Assumed) -> Uncertain:
+    """The coefficient at an impact by its place between the other two; its width is given in its own unit."""
+    static, kinetic = (_number(model, f"contact.floor_{name}") for name in ("static", "kinetic"))
+    if static is None or kinetic is None or not kinetic < static or spread.kind == "lognormal":
+        wanted = "a uniform, normal or assumed width between floor_kinetic and a floor_static that is more"
+        raise Contradiction(place, wanted, f"{spread.kind} between {kinetic} and {static}")
+    if spread.kind == "assumed":
+        return Uncertain(IMPACT, "uniform", 0.5, 0.5)
+    whole: Any = model
+    acts, width = whole.contact.floor_impact, float(getattr(spread, WIDTHS[spread.kind]))
+    value = {"kinetic": 0.0, "static": 1.0}[acts] if isinstance(acts, str) else (acts - kinetic) / (static - kinetic)
+    return Uncertain(IMPACT, spread.kind, value, width / (static - kinetic))
+
+
+def _number(model: BaseModel, key: str) -> float | None:
+    """The number at a dotted key of a validated scene, None where there is none."""
+    place: Any = model
+    for part in key.split("."):
+        if isinstance(place, Mapping):
+            place = place.get(part)
+        elif isinstance(place, BaseModel) and part in type(place).model_fields:
+            place = getattr(place, part)
+        else:
+            return None
+    return float(place) if isinstance(place, (int, float)) and not isinstance(place, bool) else None
+
 
 # Wider than any statue, and narrow enough that no product of a few of them leaves the range of floating point.
 Density = Annotated[float, Field(ge=1e-3, le=1e5)]

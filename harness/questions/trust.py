@@ -22,7 +22,7 @@ from harness import engines
 from harness.accuracy.forecast import run_s
 from harness.accuracy.horizon import MODEL, TOLERANCE_RAD
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
-from harness.input.paths import read_files
+from harness.input.files import read_files
 from harness.input.scene_file import load_scene
 from harness.model import (
     MOST_TIMES,

@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from harness.input import paths
+from harness.input.files import is_file
 from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, steps_of
 from harness.input.mistakes import wanted_of
 from harness.model import Finding, InputError, Mistake, Say, check_own, checksum, require, texted, write_text, writing
@@ -108,7 +108,7 @@ def new(
 
     require(out.suffix == ".toml", "--out", "a file ending in .toml", str(out))
     require(not os.path.lexists(out), "--out", "a file that does not exist yet", str(out), "give another name")
-    require(paths.is_file(motion), "--motion", "an existing file", str(motion))
+    require(is_file(motion), "--motion", "an existing file", str(motion))
     around = around or SupportOptions()
     pedestal = around.pedestal_keys()
     shaking = read_record(motion, unit=around.motion_unit, layout=layout)

@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
-from harness.input.paths import read_files
+from harness.input.files import read_files
 from harness.input.scene_file import load_scene
 from harness.input.tables import kind_of
 from harness.model import FRESH, InputError, Say, Scene, caution, check_own, checksum, is_sealed, require

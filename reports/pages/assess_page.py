@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from harness.input.uncertain import assumption
+from harness.input.tables import assumption
 from harness.model import Uncertain
 from harness.questions.assess.answer import CLEAR, clearance
 from harness.questions.assess.probability import MODEL

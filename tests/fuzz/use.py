@@ -22,11 +22,11 @@ from unittest.mock import patch
 from typer.testing import CliRunner
 
 from harness import InputError, Mistake, Scene, load_scene, read_history, simulate
+from harness.input.files import decoded
 from harness.input.motions import readers
 from harness.input.motions.inspect import inspect_file
 from harness.input.motions.readers import read_record
 from harness.input.tables import read_model
-from harness.input.text_file import decoded
 from harness.model import history_file, write_json
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.questions.effects3d.search import changed_scene

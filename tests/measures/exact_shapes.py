@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from harness.input import paths
+from harness.input.files import data_folder
 from meshes import Solid
 from meshes.collision import thinned
 from meshes.decomposition import Parts, decompose, parts_of
@@ -171,7 +171,7 @@ def _first(met: Callable[[float], bool]) -> float:
 
 def main(names: Sequence[str]) -> None:
     """Print the tables, of the named statues or all."""
-    solids = [each for each in statues(paths.data_folder() / "meshes") if not names or each[0] in names]
+    solids = [each for each in statues(data_folder() / "meshes") if not names or each[0] in names]
     for table in (
         budgets(),
         (SHAPES_HEAD, *(shape_row(*each) for each in solids)),

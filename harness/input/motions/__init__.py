@@ -102,28 +102,28 @@ def _of_series(series: Series, findings: tuple[Finding, ...], target: DesignSpec
 
 
 def _compatible(component: SpectrumSpec, motion: SceneMotion) -> PreparedMotion:
-    from harness.input.motions import compatible, process, records, spectra
+    from harness.input.motions import process, records, spectra
 
     spectrum, where, key = spectra.design_spectrum(component), motion.where, motion.key
     try:
         if component.record is None:
-            duration = component.duration_s or compatible.DEFAULT_DURATION_S
-            made = compatible.artificial(spectrum, seed=component.seed or 0, duration_s=duration)
+            duration = component.duration_s or spectra.DEFAULT_DURATION_S
+            made = spectra.artificial(spectrum, seed=component.seed or 0, duration_s=duration)
             return _of_series(made, (), spectrum)
         series, findings = records.load(component.record, base_dir=motion.base_dir, where=where, key=f"{key}.record")
         if component.method != "scale":
-            series = process.resample(series, compatible.STEP_S)
-        factor = compatible.best_factor(series, spectrum)
+            series = process.resample(series, spectra.STEP_S)
+        factor = spectra.best_factor(series, spectrum)
         series = process.scaled(series, factor, "nearest", spectrum.name)
         if component.method != "scale":
-            series = compatible.match(series, spectrum)
+            series = spectra.match(series, spectrum)
         return _of_series(series, findings, spectrum)
     except Contradiction as error:
-        wanted = f"a record that can be sampled at {compatible.STEP_S} s"
+        wanted = f"a record that can be sampled at {spectra.STEP_S} s"
         raise mistake(where, f"{key}.record", wanted, f"{error.got}: wanted {error.wanted}") from error
-    except compatible.NoMatchError as error:
+    except spectra.NoMatchError as error:
         advice = 'try another seed or record, a longer duration, or method = "scale"'
-        wanted = f"a misfit within {compatible.MISFIT:.0%}"
+        wanted = f"a misfit within {spectra.MISFIT:.0%}"
         raise mistake(where, key, wanted, str(error), advice) from error
 
 

@@ -8,11 +8,11 @@ from typing import Any, Final
 import numpy as np
 
 from analytic.excitation import SampledAcceleration
-from harness.input.motions import SceneMotion, oscillator, prepare
+from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Floats, Layout, Series
 from harness.input.motions.records import aligned
-from harness.input.motions.spectra import DesignSpectrum, Measures, measures
+from harness.input.motions.spectra import DesignSpectrum, Measures, measures, spectrum_m_s2
 from harness.model import SCHEMA_VERSION, Finding, Say, info, texted, to_plain
 
 DAMPING: Final = 0.05
@@ -145,7 +145,7 @@ def _trace(name: str, direction: str, series: Series, target: DesignSpectrum | N
         zero = Measures(*(0.0,) * 10)
         return Trace(name, direction, series, zero, np.zeros(PERIODS_S.size))
     damping = DAMPING if target is None else target.damping
-    spectrum = oscillator.spectrum_m_s2(series.accel_m_s2, series.dt_s, PERIODS_S, damping)
+    spectrum = spectrum_m_s2(series.accel_m_s2, series.dt_s, PERIODS_S, damping)
     return Trace(name, direction, series, measures(series), spectrum)
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.input import paths
+from harness.input.files import existing_file
 from harness.input.mistakes import Contradiction, agree
 from harness.input.motions import process
 from harness.input.motions.readers import read_record
@@ -21,7 +21,7 @@ ROUNDING: Final = 1e-12
 
 def load(source: Source, *, base_dir: Path, where: str, key: str) -> tuple[Series, tuple[Finding, ...]]:
     """The processed history, and what the reader said of it; InputError names `key` of `where`, or the file and its line."""
-    path = paths.resolve(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
+    path = existing_file(source.file, base_dir=base_dir, where=where, key=f"{key}.file")
     record = read_record(path, unit=source.unit, layout=source.layout)
     if source.azimuth_deg is not None:
         others: list[Channel] = []

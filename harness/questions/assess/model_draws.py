@@ -16,7 +16,7 @@ from analytic.excitation import Harmonic, ZeroExcitation
 from harness import engines
 from harness.accuracy.horizon import amplified
 from harness.engines import stands_alone
-from harness.input.uncertain import assumption
+from harness.input.tables import assumption
 from harness.model import InputError, Mistake, Run, RunOptions, Scene, Uncertain, require, written
 from harness.model import two_block as twoblock
 
@@ -210,9 +210,8 @@ def reread(scene: Scene, values: Mapping[str, object], place: str) -> Scene:
     """
 
     from harness.input.mistakes import mistakes_of
-    from harness.input.overrides import put
     from harness.input.scene_file import resolve
-    from harness.input.tables import SceneFile
+    from harness.input.tables import SceneFile, put
 
     require(scene.given, place, "a scene read from a file", "one made in Python", key=", ".join(values))
     content: dict[str, JsonValue] = copy.deepcopy(dict(scene.given))

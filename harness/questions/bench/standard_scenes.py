@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, cast
 
-from harness.input.paths import DATA_VARIABLE
+from harness.input.files import DATA_VARIABLE
 from harness.model import InputError, Scene
 from harness.questions.effects3d.search import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
 from harness.questions.study.cases import BaseScene

@@ -14,7 +14,7 @@ from harness.accuracy.horizon import horizon_of, settings_of
 from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
 from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure
-from harness.input.paths import read_files
+from harness.input.files import read_files
 from harness.model import (
     SKIPS,
     Answer,

@@ -18,8 +18,8 @@ from pydantic import Field, JsonValue, ValidationError, model_validator
 from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
 from analytic.problem import Keywords, stated
 from analytic.sweep import Body, body_of
-from harness.input import overrides, tables
 from harness.input import scene_file as load
+from harness.input import tables
 from harness.input.mistakes import UserTable, agree, mistakes_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Motion
@@ -242,7 +242,7 @@ class BaseScene:
         content = _copied(self.content)
         for key, value in setting.items():
             if value != "keep":
-                overrides.put(content, "study", key, value)
+                tables.put(content, "study", key, value)
         return content
 
     def scene(self, setting: Mapping[str, Value]) -> Scene:

@@ -24,7 +24,7 @@ from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_
 from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.loop import refuse_steering
-from harness.input.overrides import plain
+from harness.input.tables import plain
 from harness.model import (
     NUMBERS,
     InputError,

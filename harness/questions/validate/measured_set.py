@@ -12,8 +12,8 @@ import numpy as np
 from analytic.excitation import ZeroExcitation
 from harness import engines
 from harness.accuracy.simulation import RunTarget
+from harness.input.files import decimals, decoded, read_bytes
 from harness.input.scene_file import load_scene
-from harness.input.text_file import decimals, decoded, read_bytes
 from harness.model import Array, BaseExcitation, Contact, Initial, Mistake, Pose, Scene, refuse, require
 from harness.questions.validate.jobs import Model, parse_model
 from harness.records.validation import Cell, MeasuredRecord

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.comparison.statistics import FELL
-from harness.input import paths
-from harness.input.text_file import decoded, numbers, read_bytes
+from harness.input.files import decoded, existing_file, numbers, read_bytes
 from harness.model import InputError, Mistake, Outcome, check_known, grouped, nearest, refuse, require
 
 LARGEST: Final = 1e6
@@ -269,7 +268,7 @@ def _trial(path: Path, row: int, cells: Mapping[str, str], comma: str, mistakes:
         for text in map(str.strip, cell.split(column.parted) if column.parted else [cell]):
             try:
                 if column.read is Path:
-                    values.append(paths.resolve(text, base_dir=path.parent, where=str(path), key=key))
+                    values.append(existing_file(text, base_dir=path.parent, where=str(path), key=key))
                 else:
                     values.append(column.read(text if column.read is str else text.replace(",", comma)))
             except InputError as error:

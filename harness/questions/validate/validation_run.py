@@ -14,8 +14,8 @@ import numpy as np
 from harness import engines
 from harness.comparison.comparator import compare
 from harness.comparison.scores import Measured
+from harness.input.files import read_files
 from harness.input.history_file import read_history
-from harness.input.paths import read_files
 from harness.model import (
     Answer,
     Finding,

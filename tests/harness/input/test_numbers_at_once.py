@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from harness.input.files import decimals, numbers_at_once
 from harness.input.motions.readers import csv
-from harness.input.text_file import decimals, numbers_at_once
 
 
 def test_they_are_the_same_to_the_last_bit() -> None:

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.input.overrides import MOST_KEYS, MOST_PARTS, content_of, override
-from harness.input.tables import read
+from harness.input.tables import MOST_KEYS, MOST_PARTS, content_of, override, read
 from harness.model import LONGEST, InputError, Mistake
 
 HUGE = "9" * 5000

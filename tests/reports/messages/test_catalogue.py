@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness import Outcome, Verdict
-from harness.input.uncertain import ASSUMPTIONS
+from harness.input.tables import ASSUMPTIONS
 from harness.model import SKIPS, Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.questions.assess.options import PAIRS
 from harness.questions.bench.hard_scenes import catalogue

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final, Protocol
 
-from harness.input.motions import check
+from harness.input.files import read_bytes
 from harness.input.motions.readers import (
     at2,
     cosmos,
@@ -34,11 +34,11 @@ from harness.input.motions.recordfile import (
     UNIT_NAMES,
     Layout,
     RecordFile,
+    check,
     mistake,
     text_of,
     unit_named,
 )
-from harness.input.text_file import read_bytes
 from harness.model import Finding, InputError, caution, info, require, weighed
 
 
@@ -175,7 +175,7 @@ def read_record(path: Path, *, unit: str | None = None, layout: Layout | None = 
     if len(set(names)) < len(names):
         channels, found = record.channels, [*record.findings, caution("record_sisters_repeat")]
     whole = replace(record, channels=channels)
-    return replace(whole, findings=tuple(weighed([*found, *check.check(whole)])))
+    return replace(whole, findings=tuple(weighed([*found, *check(whole)])))
 
 
 def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], list[Finding]]:
@@ -185,7 +185,7 @@ def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], lis
     for other in _sisters(path, _ENDINGS.get(record.format)):
         try:
             sister = read_file(other)
-            check.check(sister)
+            check(sister)
         except InputError as error:
             name = ascii(other.name)[1:-1]
             message = str(error).splitlines()[0].removeprefix(f"{other}: ")

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.input.motions.check import refuse_fillers
+from harness.input.files import is_decimal, numbers, numbers_at_once
 from harness.input.motions.process import clock_of
 from harness.input.motions.readers.table import (
     LABEL,
@@ -19,8 +19,7 @@ from harness.input.motions.readers.table import (
     is_unit,
     likely_unit,
 )
-from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake
-from harness.input.text_file import is_decimal, numbers, numbers_at_once
+from harness.input.motions.recordfile import UNIT_NAMES, Channel, RecordFile, mistake, refuse_fillers
 from harness.model import info, require
 
 _WORD = re.compile(r"\b(?!nan|inf|null)[^\W\d_]{3}", re.IGNORECASE)

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.input.motions.check import check, refuse_fillers
+from harness.input.files import fortran, numbers_at_once
 from harness.input.motions.process import SampleClock, clock_of
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
@@ -20,12 +20,13 @@ from harness.input.motions.recordfile import (
     Floats,
     Layout,
     RecordFile,
+    check,
     free_format,
     mistake,
     parse_orientation,
+    refuse_fillers,
     unit_named,
 )
-from harness.input.text_file import fortran, numbers_at_once
 from harness.model import InputError, require, required
 
 _LEAST_NUMBERS: Final = 16

@@ -2,6 +2,7 @@
 
 import re
 
+from harness.input.files import fortran
 from harness.input.motions.recordfile import (
     Channel,
     Header,
@@ -11,7 +12,6 @@ from harness.input.motions.recordfile import (
     header_count,
     header_number,
 )
-from harness.input.text_file import fortran
 from harness.model import require
 
 MARK = re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE)

@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 
-from harness.input.motions.check import STATED_PEAK_TOLERANCE
 from harness.input.motions.recordfile import (
     CUT_OFF,
+    STATED_PEAK_TOLERANCE,
     Channel,
     Header,
     RecordFile,

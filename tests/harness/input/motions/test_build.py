@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from harness.input import paths
+from harness.input.files import data_folder
 from harness.input.mistakes import mistakes_of
 from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.spec import Component, Motion
@@ -67,7 +67,7 @@ def test_the_data_folder_is_expanded(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setenv("ROCKCHECK_DATA", str(tmp_path))
     assert made(kind="record", file="${ROCKCHECK_DATA}/a.AT2").peak_m_s2 == pytest.approx(2.0, abs=1e-6)
     monkeypatch.delenv("ROCKCHECK_DATA")
-    assert paths.data_folder().parts[-2:] == ("shared", "data")
+    assert data_folder().parts[-2:] == ("shared", "data")
 
 
 @pytest.mark.parametrize(

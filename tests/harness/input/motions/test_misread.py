@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.check import USUAL_STEPS_S
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import parse_orientation
+from harness.input.motions.recordfile import USUAL_STEPS_S, parse_orientation
 from harness.input.motions.records import channel_named
 from harness.model import InputError
 from tests.doubles import codes

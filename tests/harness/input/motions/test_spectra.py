@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from harness.input.motions import SceneMotion, compatible, oscillator, prepare
+from harness.input.motions import SceneMotion, prepare, spectra
 from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
 from harness.input.motions.spec import Component, SpectrumSpec, Target
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
@@ -113,7 +113,7 @@ def test_a_target_said_twice_or_half_is_refused(keys: dict[str, Any]) -> None:
 def test_response_spectra_equal_eqsigs_on_the_same_samples() -> None:
     accel = np.random.default_rng(5).normal(size=3000) * np.hanning(3000)
     periods = np.geomspace(0.25, 3.0, 20)  # at 0.01 s both sample the response alike
-    ours = oscillator.spectrum_m_s2(accel, 0.01, periods, 0.05)
+    ours = spectra.spectrum_m_s2(accel, 0.01, periods, 0.05)
     theirs = eqsig.sdof.pseudo_response_spectra(accel, 0.01, periods, 0.05)[2]
     np.testing.assert_allclose(ours, theirs, rtol=NIGAM_JENNINGS)
 
@@ -122,8 +122,8 @@ def test_short_periods_are_sampled_finely_enough() -> None:
     accel = wave(400, 0.02)
     factor = 64
     fine = np.interp(np.arange(400 * factor - factor + 1) / factor, np.arange(400), accel)
-    exact = oscillator.spectrum_m_s2(fine, 0.02 / factor, [0.03, 0.05, 0.11], 0.05)
-    found = oscillator.spectrum_m_s2(accel, 0.02, [0.03, 0.05, 0.11], 0.05)
+    exact = spectra.spectrum_m_s2(fine, 0.02 / factor, [0.03, 0.05, 0.11], 0.05)
+    found = spectra.spectrum_m_s2(accel, 0.02, [0.03, 0.05, 0.11], 0.05)
     assert (found <= exact * (1.0 + 1e-9)).all()
     assert (found >= exact * (1.0 - PEAK_BETWEEN_SAMPLES)).all()
 
@@ -134,7 +134,7 @@ def test_a_record_that_begins_with_a_jump_starts_its_oscillators_at_rest() -> No
     t = 0.01 * np.arange(500)
     wd = w * np.sqrt(1.0 - 0.05**2)
     exact = -(1.0 - np.exp(-0.05 * w * t) * (np.cos(wd * t) + 0.05 * w / wd * np.sin(wd * t))) / w**2
-    np.testing.assert_allclose(oscillator.displacement_m(step, 0.01, 0.5, 0.05), exact, atol=1e-13)
+    np.testing.assert_allclose(spectra.relative_displacement_m(step, 0.01, 0.5, 0.05), exact, atol=1e-13)
 
 
 def _eqsig_misfit(series: Series, shape: DesignSpectrum) -> float:
@@ -145,20 +145,20 @@ def _eqsig_misfit(series: Series, shape: DesignSpectrum) -> float:
 
 def test_an_artificial_motion_follows_its_target_and_returns_to_rest() -> None:
     shape = target(**LIFE_SAFETY)
-    made = compatible.artificial(shape, seed=13, duration_s=20.0)
+    made = spectra.artificial(shape, seed=13, duration_s=20.0)
     assert _eqsig_misfit(made, shape) <= EQSIG_MISFIT
     assert abs(velocity_m_s(made)[-1]) <= RETURN_TO_REST_M_S
     assert abs(displacement_m(made)[-1]) <= RETURN_TO_REST_M
     assert made.accel_m_s2[0] == made.accel_m_s2[-1] == 0.0
     worse = Series(made.dt_s, 1.12 * made.accel_m_s2)
     assert _eqsig_misfit(worse, shape) > EQSIG_MISFIT
-    assert compatible.misfit(worse, shape) > compatible.MISFIT
+    assert spectra.misfit(worse, shape) > spectra.MISFIT
 
 
 def test_the_same_seed_gives_the_same_bits_and_another_seed_another_motion() -> None:
     shape = target(code="ec8", ag_g=0.2, soil="A", type=2)
     bits = [
-        hashlib.sha256(compatible.artificial(shape, seed=seed, duration_s=10.0).accel_m_s2.tobytes()).hexdigest()
+        hashlib.sha256(spectra.artificial(shape, seed=seed, duration_s=10.0).accel_m_s2.tobytes()).hexdigest()
         for seed in (4, 4, 5)
     ]
     assert bits[0] == bits[1] != bits[2]
@@ -169,7 +169,7 @@ def test_a_real_record_is_matched_within_its_work(data_dir: Path) -> None:
     record = {"file": str(data_dir / "records" / "elcentro1940_NS.csv"), "column": "a_NS_ms2"}
     spec = SpectrumSpec(kind="spectrum", **keys, record=record)  # type: ignore[arg-type]
     found = prepare(SceneMotion(spec, Path(), "scene.toml", "motion.x"))
-    series = Series(compatible.STEP_S, found.excitation.accel_m_s2(compatible.STEP_S * np.arange(6237)))
+    series = Series(spectra.STEP_S, found.excitation.accel_m_s2(spectra.STEP_S * np.arange(6237)))
     shape = target(**keys)
     assert _eqsig_misfit(series, shape) <= EQSIG_MISFIT
     end = found.excitation.end_s
@@ -195,10 +195,8 @@ def test_scaling_to_a_spectrum_is_one_factor(data_dir: Path) -> None:
     ]
     ratio = made[1].samples_m_s2[1:-1] / made[0].samples_m_s2[1:-1]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
-    periods = np.geomspace(*compatible.BAND_S, 60)
-    off = np.log(
-        oscillator.spectrum_m_s2(made[1].samples_m_s2, 0.02, periods) / target(**LIFE_SAFETY).accel_m_s2(periods)
-    )
+    periods = np.geomspace(*spectra.BAND_S, 60)
+    off = np.log(spectra.spectrum_m_s2(made[1].samples_m_s2, 0.02, periods) / target(**LIFE_SAFETY).accel_m_s2(periods))
     assert abs(off.mean()) <= 1e-9
 
 
@@ -210,8 +208,8 @@ def test_a_factor_on_a_record_that_is_scaled_to_a_spectrum_is_refused(key: str, 
 
 
 def test_what_cannot_be_matched_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compatible, "MISFIT", 0.001)
-    monkeypatch.setattr(compatible, "_PASSES", 1)
+    monkeypatch.setattr(spectra, "MISFIT", 0.001)
+    monkeypatch.setattr(spectra, "_PASSES", 1)
     keys = {"kind": "spectrum", **LIFE_SAFETY, "seed": 1, "duration_s": 10.0}
     with pytest.raises(InputError, match="try another seed"):
         prepare(SceneMotion(ADAPTER.validate_python(keys), Path(), "s", "motion.x"))

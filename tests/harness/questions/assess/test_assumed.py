@@ -8,7 +8,7 @@ import pytest
 
 from analytic import Record
 from harness import InputError, load_scene
-from harness.input.uncertain import ASSUMPTIONS, assumption
+from harness.input.tables import ASSUMPTIONS, assumption
 from harness.model import BaseExcitation
 from harness.questions.assess.model_draws import draw, model_draws, sweepable, uncertain_inputs, varied
 from reports.messages import ENGLISH

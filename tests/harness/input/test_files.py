@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from harness import InputError, read_history
+from harness.input.files import MOST_BYTES, decimal, decimals, decoded, fortran, read_bytes
 from harness.input.motions.readers import read_record
-from harness.input.text_file import MOST_BYTES, decimal, decimals, decoded, fortran, read_bytes
 
 NO_NUMBERS = (
     "1_0.0",
