@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes import coacd_alone, text_cache
-from meshes.collision import thinned
 from meshes.mesh import Array, MeshError, RawMesh, require
 from meshes.prepare import simplified
-from meshes.solid import Solid
+from meshes.solid import Solid, thinned
 
 COARSE_FACES: Final = 3000
 """Triangles given to the search: its time grows with them, its parts hardly change (20-fold slower at 21 000)."""

@@ -1,28 +1,24 @@
-"""A scan made into a closed body standing on its base, with a written log; what goes too far is refused with
-advice."""
+"""A scan made into a closed body standing on its base, with a written log; what goes too far is refused with advice.
+What the scan then is, in numbers and words.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from meshes import footprint as base
 from meshes import repair
 from meshes.beside import attached_floor, cut_below, cut_beyond
-from meshes.doubts import floor_refused, not_one_body, other_attached
-from meshes.intake import (
-    must_be_of_a_statue_s_size,
-    must_have_size,
-    must_have_thickness,
-    read_mesh,
-    unit_length_m,
-)
+from meshes.doubts import crossings, floor_refused, not_one_body, other_attached
+from meshes.intake import must_be_of_a_statue_s_size, must_have_size, must_have_thickness, read_mesh, unit_length_m
 from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, require, unique_rows, weld
 from meshes.orientation import Orientation, find_orientation, turn_axis
-from meshes.processing_log import Change, EdgeCount, ProcessingLog
+from meshes.processing_log import Change, EdgeCount, ProcessingLog, parts
 from meshes.repair import close_pinches, open_branches
-from meshes.self_intersection import crossings
 from meshes.solid import CONTACT_TOLERANCE_M, Solid, solid_from_mesh
 
 # Fewer triangles within stated bounds on volume, centroid and inertia; vertices of the base are never touched.
@@ -101,8 +97,7 @@ def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | 
             mesh.source,
         )
     )
-    sound = _sound(joined)
-    return {"cause": "breaks"} if sound is None else sound
+    return _sound(joined) or {"cause": "breaks"}
 
 
 def _sound(mesh: RawMesh) -> RawMesh | None:
@@ -224,14 +219,13 @@ def _stood_up(state: Prepared, wanted: Wanted) -> Prepared:
         orientation = Orientation(turn_axis(wanted.up), wanted.up, 0.0, "set")
     else:
         orientation = find_orientation(state.mesh)
-    made = None
-    if orientation.axis != "z" or orientation.tilt_rad > 1e-6:
-        values: dict[str, object] = {"how": orientation.why, "axis": orientation.axis}
-        if wanted.up is None:
-            values["tilt_rad"] = orientation.tilt_rad
-        made = Change("prepared_up", "up axis", values, 1)
+    values: dict[str, object] = {"how": orientation.why, "axis": orientation.axis}
+    if wanted.up is None:
+        values["tilt_rad"] = orientation.tilt_rad
+    turns = orientation.axis != "z" or orientation.tilt_rad > 1e-6
     turned = state.mesh.moved(state.mesh.vertices @ orientation.rotation.T)
-    return replace(state.after(turned, made).doubted(*orientation.doubts), rotation=orientation.rotation)
+    state = state.after(turned, Change("prepared_up", "up axis", values, 1) if turns else None)
+    return replace(state.doubted(*orientation.doubts), rotation=orientation.rotation)
 
 
 def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
@@ -265,23 +259,20 @@ def _scaled(state: Prepared, wanted: Wanted, suffix: str) -> Prepared:
             place=state.mesh.source,
         )
     must_have_size(unit_m * height, f"{unit_m * height:.4g} m by its {why}", state.mesh.source)
-    made = None
-    if unit_m != 1.0:
-        values = {"why": why, "unit_m": unit_m, "unit": wanted.unit, "height_m": wanted.height_m}
-        made = Change("prepared_scale", "scale", values, 1)
+    values = {"why": why, "unit_m": unit_m, "unit": wanted.unit, "height_m": wanted.height_m}
     in_metres = replace(state, log=state.log.scaled(unit_m))
+    made = Change("prepared_scale", "scale", values, 1) if unit_m != 1.0 else None
     return in_metres.after(state.mesh.moved(unit_m * state.mesh.vertices), made)
 
 
 def _cut(state: Prepared, wanted: Wanted) -> Prepared:
     """What was scanned with the statue cut off as asked, with debris that hung on it; what is still there is refused."""
-    mesh, beyond = state.mesh, wanted.cut_beyond
+    beyond = wanted.cut_beyond
     if wanted.cut_below_m:
         cut = Change("prepared_cut_below", "cut", {"below_m": wanted.cut_below_m}, 1)
-        state = _without(state, cut_below(mesh, wanted.cut_below_m), cut)
+        state = _without(state, cut_below(state.mesh, wanted.cut_below_m), cut)
     if beyond is not None and np.isfinite(beyond[1]):
-        place = {"azimuth_deg": beyond[0], "beyond_m": beyond[1]}
-        cut = Change("prepared_cut_beyond", "cut", place, 1)
+        cut = Change("prepared_cut_beyond", "cut", {"azimuth_deg": beyond[0], "beyond_m": beyond[1]}, 1)
         state = _without(state, cut_beyond(state.mesh, *beyond), cut)
     body = state.mesh.vertices, state.mesh.faces
     floor = attached_floor(*body) if wanted.cut_below_m != 0.0 else None
@@ -331,3 +322,140 @@ def _checked(state: Prepared) -> Prepared:
         place=mesh.source,
     )
     return state.doubted(*crossings(mesh.vertices, mesh.faces))
+
+
+# What a scan is, in numbers and words: raw counts, the log of its preparation, the solid and its slenderness.
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """A scan inspected: as read, prepared, and its solid (None with the reason where it does not stand)."""
+
+    raw: RawMesh
+    prepared: Prepared
+    solid: Solid | None
+    refusal: MeshError | None
+
+    def rose(self, step_deg: int = 30) -> list[dict[str, float]]:
+        """Corner distance and slenderness towards every `step_deg` of azimuth."""
+        if self.solid is None:
+            return []
+        azimuth = np.arange(0, 360, step_deg, dtype=np.float64)
+        corner = base.corner_m(self.solid.footprint_m, azimuth)
+        slender = base.slenderness_rose_rad(self.solid.footprint_m, self.solid.centroid_height_m, azimuth)
+        rows = zip(azimuth.tolist(), corner.tolist(), np.rad2deg(slender).tolist(), strict=True)
+        return [{"azimuth_deg": a, "corner_m": b, "slenderness_deg": c} for a, b, c in rows]
+
+    def as_dict(self) -> dict[str, object]:
+        """The inspection as plain values."""
+        return {
+            "schema_version": 1,
+            "raw": _counts(self.raw),
+            "refusal": None if self.refusal is None else str(self.refusal),
+            "solid": None if self.solid is None else _numbers(self.solid),
+            "rose": self.rose(10),
+        }
+
+    def facts(self) -> list[str]:
+        """The file as read, and the solid in words, or why there is none."""
+        return [
+            f"as read: {_counted(self.raw)}",
+            *(["no solid: " + str(self.refusal)] if self.solid is None else _sentences(self.solid)),
+        ]
+
+    def rose_lines(self) -> list[str]:
+        """Slenderness in degrees towards every 30°; nothing without a solid."""
+        if self.solid is None:
+            return []
+        return [
+            "  "
+            + "  ".join(
+                f"{row['azimuth_deg']:3.0f}°: {row['slenderness_deg']:5.2f}" for row in self.rose()[begin : begin + 6]
+            )
+            for begin in (0, 6)
+        ]
+
+
+def inspect(
+    path: str | Path,
+    wanted: Wanted,
+    *,
+    density_kg_m3: float | None = None,
+    mass_kg: float | None = None,
+    contact_tolerance_m: float = CONTACT_TOLERANCE_M,
+) -> Inspection:
+    """Read, prepare and measure a scan; raises MeshError where it cannot be prepared."""
+    mesh = read_mesh(path)
+    prepared = prepare_mesh(mesh, wanted, Path(path).suffix.lower())
+    solid, refusal = None, None
+    try:
+        solid = prepared.solid(density_kg_m3=density_kg_m3, mass_kg=mass_kg, contact_tolerance_m=contact_tolerance_m)
+    except MeshError as error:
+        refusal = error
+    return Inspection(mesh, prepared, solid, refusal)
+
+
+def _counts(mesh: RawMesh) -> dict[str, object]:
+    """The file as it came: size in its own units, and what keeps it from being a solid."""
+    return {
+        "vertices": len(mesh.vertices),
+        "faces": len(mesh.faces),
+        "size": np.ptp(mesh.vertices, axis=0).tolist(),
+        "parts": int(parts(mesh.faces).max()) + 1,
+        "edges": asdict(EdgeCount.of(mesh.faces)),
+    }
+
+
+def _counted(mesh: RawMesh) -> str:
+    """The same in words."""
+    edges, count = EdgeCount.of(mesh.faces), _counts(mesh)
+    size = " × ".join(f"{extent:.4g}" for extent in np.ptp(mesh.vertices, axis=0))
+    return (
+        f"{count['vertices']} vertices, {count['faces']} triangles, {size} units,"
+        f" {count['parts']} part{'s' if count['parts'] != 1 else ''};"
+        f" {'closed' if edges.closed else 'not closed'}: {edges.boundary} open, {edges.branching} branching,"
+        f" {edges.misoriented} misoriented edges"
+    )
+
+
+def _numbers(solid: Solid) -> dict[str, object]:
+    """The solid's numbers as plain values; its weakest direction is that in which it overturns most easily."""
+    weakest_deg = base.weakest_azimuth_deg(solid.footprint_m)
+    slenderness_rad = base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest_deg)
+    return {
+        "mass_kg": solid.mass_kg,
+        "density_kg_m3": solid.density_kg_m3,
+        "height_m": solid.height_m,
+        "centroid_height_m": solid.centroid_height_m,
+        "corner_left_m": solid.corner_left_m,
+        "corner_right_m": solid.corner_right_m,
+        "depth_m": solid.depth_m,
+        "inertia_kg_m2": solid.inertia_kg_m2.tolist(),
+        "principal_kg_m2": solid.principal[0].tolist(),
+        "principal_axes": solid.principal[1].T.tolist(),
+        "footprint_m": solid.footprint_m.tolist(),
+        "base_profile_m": solid.base_profile_m.tolist(),
+        "contact_tolerance_m": solid.contact_tolerance_m,
+        "base_unevenness_m": float(np.ptp(solid.feet_m[:, 2])),
+        "weakest_azimuth_deg": weakest_deg,
+        "weakest_slenderness_rad": float(slenderness_rad[0]),
+    }
+
+
+def _sentences(solid: Solid) -> list[str]:
+    """The solid in words."""
+    numbers: dict[str, Any] = _numbers(solid)
+    moments = ", ".join(f"{value:.5g}" for value in numbers["principal_kg_m2"])
+    uneven_mm = round(1e3 * numbers["base_unevenness_m"], 2)
+    lie = f"uneven by {uneven_mm:g} mm (kept as scanned)" if uneven_mm else "in one plane"
+    return [
+        f"mass {solid.mass_kg:.5g} kg at {solid.density_kg_m3:.5g} kg/m³, {solid.height_m:.4g} m high,"
+        f" centroid at {solid.centroid_height_m:.4g} m",
+        f"x-z plane: b_left {solid.corner_left_m:.4g} m, b_right {solid.corner_right_m:.4g} m,"
+        f" J_G {solid.inertia_planar_kg_m2:.5g} kg m²; base {solid.depth_m:.4g} m across",
+        f"principal moments {moments} kg m²",
+        f"touches with {len(solid.footprint_m)} corners within {1e3 * solid.contact_tolerance_m:g} mm,"
+        f" {len(solid.feet_m)} feet {lie}",
+        f"weakest towards {numbers['weakest_azimuth_deg']:.1f}° (from x, counter-clockwise from above):"
+        f" {np.rad2deg(numbers['weakest_slenderness_rad']):.2f}°",
+    ]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from harness.records.study import StudyRecord
     from harness.records.trust import TrustRecord
     from harness.records.validation import BaselineRecord, MeasuredRecord, ModelRecord, ValidationRecord
-    from meshes.inspection import Inspection as Scan
+    from meshes.prepare import Inspection as Scan
 
 LINES: Final = 16
 COLUMNS: Final = 100

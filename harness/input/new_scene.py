@@ -17,7 +17,7 @@ from harness.input.motions.records import AZIMUTH_TOLERANCE_DEG, LEAST_CROSSING_
 from harness.model import Finding, Say, caution, info
 
 if TYPE_CHECKING:
-    from meshes.inspection import Inspection
+    from meshes.prepare import Inspection
 
 QUIET_AFTER_S = 5.0
 """Time left after the record in which the statue may still rock, at least."""

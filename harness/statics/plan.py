@@ -12,6 +12,7 @@ from analytic.excitation import BOW, SampledAcceleration, ZeroExcitation
 from harness.model import OVERTURN_RAD, SKIPS, Array, Capabilities, Finding, Pedestal, RunOptions, Scene, Statue, info
 from harness.statics.standstill import LEVEL_M, instants_s, resting_polygon_m, rests_on_m, tipping_of_pedestal
 from meshes.footprint import margin_m, outward_sides
+from meshes.solid import hull_excess_rel
 
 # Other bodies made of a statue and its pedestal: both as one, its base widened, another side before the shaking.
 
@@ -237,8 +238,6 @@ def shape_needed(scene: Scene) -> Need:
 
     A level floor and a wall are planes; a statue given by numbers is convex.
     """
-    from meshes.collision import hull_excess_rel
-
     if scene.pedestal is None:
         return Need("base")
     if scene.statue.solid is None:

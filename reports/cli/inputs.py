@@ -16,7 +16,7 @@ from reports.messages import ENGLISH
 
 if TYPE_CHECKING:
     from harness.input.motions.inspect import MotionInspection as MotionInspection
-    from meshes.inspection import Inspection
+    from meshes.prepare import Inspection
 
 Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="A scan: PLY, OBJ, STL, GLB or glTF.", show_default=False)]
 

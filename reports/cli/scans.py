@@ -18,7 +18,7 @@ from reports.cli.options import ScanOptions, SupportOptions
 
 if TYPE_CHECKING:
     from harness.input.motions.recordfile import Layout
-    from meshes.inspection import Inspection
+    from meshes.prepare import Inspection
 
 
 def inspect(file: Path, known: ScanOptions) -> Inspection:
@@ -27,8 +27,8 @@ def inspect(file: Path, known: ScanOptions) -> Inspection:
 
     from harness.input.tables import Density, Mass, Tolerance
     from meshes import MeshError
-    from meshes.inspection import inspect as inspected
     from meshes.prepare import Wanted
+    from meshes.prepare import inspect as inspected
 
     one = known.density_kg_m3 is None or known.mass_kg is None
     require(one, "--density", "a density or a weighed mass", "both", "give one of them")

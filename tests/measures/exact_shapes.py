@@ -20,9 +20,9 @@ from scipy.spatial import ConvexHull
 
 from harness.input.files import data_folder
 from meshes import Solid
-from meshes.collision import thinned
 from meshes.decomposition import Parts, decompose, parts_of
 from meshes.prepare import Wanted, prepare
+from meshes.solid import thinned
 from tests.meshes import toadstool, togatus
 from tests.meshes.shapes import misfit
 

@@ -16,8 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from meshes import footprint
-from meshes.inspection import inspect
-from meshes.prepare import Wanted
+from meshes.prepare import Wanted, inspect
 from tests.meshes import togatus
 from tests.meshes.scanner import Faults, scan, write
 

@@ -9,9 +9,8 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from meshes import MeshError, Solid, coacd_alone, decomposition
-from meshes.collision import thinned
 from meshes.decomposition import Parts, decompose, parts_of
-from meshes.solid import solid_from_mesh
+from meshes.solid import solid_from_mesh, thinned
 from tests.budgets_meshes import BOXES_REL, HULL_GAP_M, PARTS_MISSING_REL, WITHIN_HULL_M
 from tests.meshes import toadstool
 from tests.meshes.shapes import box, misfit

@@ -9,15 +9,14 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from harness.input.scene_file import load_scene
-from meshes import MeshError, Solid, self_intersection
+from meshes import MeshError, Solid
+from meshes import doubts as module
 from meshes.beside import SHEET, SHEET_WIDER, WIDER, attached_floor, cut_below
-from meshes.doubts import MOST_PINCHED, MOST_WRONG
-from meshes.inspection import inspect
+from meshes.doubts import MOST_PINCHED, MOST_WRONG, crossings, pinched, wrongly_sided
 from meshes.mesh import RawMesh
-from meshes.prepare import Prepared, Wanted, prepare, prepare_mesh
+from meshes.prepare import Prepared, Wanted, inspect, prepare, prepare_mesh
 from meshes.processing_log import EdgeCount
 from meshes.repair import Part
-from meshes.self_intersection import crossings, pinched, wrongly_sided
 from tests import doubles
 from tests.budgets_meshes import CUT_VOLUME_REL, FORMER_LIMIT, NOISE_REL
 from tests.meshes import toadstool
@@ -168,13 +167,13 @@ def test_noise_that_folds_a_few_faces_is_said_and_refuses_nothing() -> None:
 
 
 def test_a_fan_of_20_000_triangles_is_looked_at_within_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(self_intersection, "MOST_PAIRS", 2_000_000)
+    monkeypatch.setattr(module, "MOST_PAIRS", 2_000_000)
     around = 20_000
     turn = 2.0 * np.pi * np.arange(around) / around
     vertices = np.vstack([np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn]), [[0.0, 0.0, 0.0]]])
     faces = np.column_stack([np.arange(around), (np.arange(around) + 1) % around, np.full(around, around)])
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    piercing, looked_at = self_intersection._piercing(vertices, faces, np.arange(around), shared=0)
+    piercing, looked_at = module._piercing(vertices, faces, np.arange(around), shared=0)
     assert not piercing.size
     assert 0 < looked_at < around
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1_000_000  # KiB; all pairs are 6 GB

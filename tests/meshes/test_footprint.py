@@ -6,7 +6,7 @@ import pytest
 from meshes import MeshError, Solid, load_solid, solid_from_mesh
 from meshes import footprint as base
 from meshes.processing_log import EdgeCount
-from meshes.roughening import ragged
+from meshes.survey import ragged
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.shapes import box, prism
 

@@ -8,9 +8,8 @@ import pytest
 import trimesh
 
 from meshes import Solid, load_solid
-from meshes.inspection import inspect
 from meshes.intake import EdgeCount
-from meshes.prepare import Wanted
+from meshes.prepare import Wanted, inspect
 from meshes.solid import write_glb
 from tests.budgets_meshes import (
     CENTROID_TOLERANCE_M,

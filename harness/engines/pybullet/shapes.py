@@ -14,7 +14,7 @@ from harness.engines.base import EngineFailure
 from harness.engines.pybullet.feet import CACHED_STATUES, hull_vertices
 from harness.model import Array, Pedestal, Scene, Statue
 from harness.statics.plan import shape_needed
-from meshes.collision import thinned
+from meshes.solid import thinned
 
 MARGIN_M: Final = 1e-3
 """What Bullet adds to a hull of its own accord, rounding its edges."""

@@ -10,7 +10,7 @@ from harness.model import InputError, Scene
 from harness.questions.effects3d.search import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
 from harness.questions.study.cases import BaseScene
 from harness.records.base import Table
-from meshes.roughening import ragged
+from meshes.survey import ragged
 
 PAESTUM: Final = {
     "mass_kg": 707.0, "centroid_height_m": 0.774, "corner_left_m": 0.3585, "corner_right_m": 0.0682,

@@ -22,8 +22,7 @@ from harness.records.effects3d import BASELINE, Amplitude, Departure, Doubt, Gro
 from harness.statics.plan import limit_of_rest_m_s2
 from meshes import MeshError, Solid
 from meshes.footprint import reach_m
-from meshes.roughening import ragged
-from meshes.survey import adjusted
+from meshes.survey import adjusted, ragged
 
 # What is changed of a scene, one thing at a time: components of the motion, base, inertia, survey, friction, time step.
 

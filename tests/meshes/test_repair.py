@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshes.outline import fit_outline
+from meshes.repair import fit_outline
 from tests.budgets_meshes import OUTLINE_NOISE_SHARE
 
 NOISE_M = 1e-3
