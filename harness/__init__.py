@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from harness.questions.assess.assessment import assess
     from harness.questions.scene.scene_run import run_scene
     from harness.questions.study.study_run import sweep
-    from harness.records.result_folder import read_result
+    from harness.records.base import read_result
     from harness.records.run import RunRecord
     from harness.records.scores import Scores, Verdict
     from harness.records.study import StudyRecord
@@ -42,7 +42,7 @@ _NAMES: Final = {
     "harness.input.scene_file": "load_scene scene",
     "harness.model": "History InputError Mistake Outcome Run RunOptions RunSet Scene",
     "harness.questions.assess.assessment": "assess",
-    "harness.records.result_folder": "read_result",
+    "harness.records.base": "read_result",
     "harness.records.run": "RunRecord",
     "harness.records.scores": "Scores Verdict",
     "harness.records.study": "StudyRecord",

@@ -16,7 +16,7 @@ from harness.model import Answer as Answered
 from harness.model import Outcome, Run, Say, info, machine, versions
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.questions.trust import run_trust
-from harness.records.result_folder import write_whole
+from harness.records.base import write_whole
 from harness.records.study import StudyRecord, StudyRow
 from harness.records.trust import TrustRecord
 from harness.records.validation import MeasuredRecord, MeasuredTable

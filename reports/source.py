@@ -12,8 +12,7 @@ import numpy as np
 
 from harness.input.history_file import read_history
 from harness.model import History, InputError, Mistake, Outcome, Run, history_file, refuse
-from harness.records.base import REWRITE, Record
-from harness.records.result_folder import RECORD, as_written, read_result
+from harness.records.base import RECORD, REWRITE, Record, as_written, read_result
 from harness.records.run import RunRecord, has_answer, known_until_s
 from harness.records.scene import SceneRecord
 

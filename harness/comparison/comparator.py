@@ -46,7 +46,7 @@ from harness.model import (
     translated,
     versions,
 )
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.base import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
 from harness.records.run import SLIDES_M, STILL_RAD, standing
 from harness.records.scores import FILES, CompareRecord, Evidence, Scores, Verdict
 

@@ -53,8 +53,7 @@ from harness.questions.scene.scene_run import Result, run_scene
 from harness.questions.scene.workload import check as check_work
 from harness.questions.study.cases import BaseScene, Value, filled, refined
 from harness.records.assess import Assessment
-from harness.records.base import Plain, part, plain
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.base import COMING, PAGES, RECORD, Plain, check_folder, check_inputs, part, plain, write_whole
 from harness.records.run import STILL_RAD, HorizonRecord, balance_share, has_answer, outcome_family, outside_domain
 from harness.records.scene import SceneRecord
 from harness.records.scores import Interval, Scores, Verdict

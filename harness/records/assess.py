@@ -221,8 +221,8 @@ class ClearanceRecord:
     @property
     def answered(self) -> dict[str, ClearanceByModel]:
         """The models of which enough draws stand, the one that knows most directions first."""
-        enough = {name: item for name, item in self.by_model.items() if item.share}
-        return dict(sorted(enough.items(), key=lambda item: -len(item[1].direction_deg)))
+        enough = [(name, item) for name, item in self.by_model.items() if item.share]
+        return dict(sorted(enough, key=lambda item: -len(item[1].direction_deg)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -246,8 +246,8 @@ class StressRecord(Record):
     @property
     def holds(self) -> bool:
         """Whether every hard scene came out, every cell is explained, and nothing is left to do."""
-        whole = not any(part.left for part in self.parts)
-        return whole and not any(cell.unexplained for cell in self.cells) and all(row.holds for row in self.scenes)
+        left = any(part.left for part in self.parts) or any(cell.unexplained for cell in self.cells)
+        return not left and all(row.holds for row in self.scenes)
 
 
 def answer_of(record: StressRecord) -> Answer:

@@ -84,17 +84,16 @@ class SceneRecord:
         """The record of a scene, without its mesh."""
         statue, wall = scene.statue, scene.wall
         size = None if statue.solid is None else MeshSize(len(statue.solid.vertices_m), len(statue.solid.faces))
-        slender = {
+        arrays = ("inertia_tensor_kg_m2", "section_m", "footprint_m")
+        own_statue = {name: to_plain(getattr(statue, name)) for name in arrays} | {
             "slenderness_left_rad": statue.slenderness_rad(-1),
             "slenderness_right_rad": statue.slenderness_rad(1),
-        }
-        arrays = {
-            name: to_plain(getattr(statue, name)) for name in ("inertia_tensor_kg_m2", "section_m", "footprint_m")
+            "mesh": size,
         }
         own = {
             "file": None if scene.source is None else scene.source.name,
             "model": scene.form,
-            "statue": StatueRecord(**same_fields(StatueRecord, statue) | arrays | slender | {"mesh": size}),
+            "statue": StatueRecord(**same_fields(StatueRecord, statue) | own_statue),
             "wall": None if wall is None else WallRecord(wall.side, wall.distance_m, scene.wall_rotation_rad),
             "toml": scene.given,
         }
@@ -159,13 +158,8 @@ class MotionRecord:
 
 def motion_of(scene: Scene) -> MotionRecord:
     """The motion's record of a scene."""
-    t_s = np.linspace(0.0, scene.duration_s, MOTION_SAMPLES)
-    base = scene.base_excitation
-    moving = {
-        axis: item
-        for axis, item in (("x", base.x), ("y", base.y), ("z", base.z))
-        if not isinstance(item, ZeroExcitation)
-    }
+    t_s, base = np.linspace(0.0, scene.duration_s, MOTION_SAMPLES), scene.base_excitation
+    moving = {axis: item for axis, item in zip("xyz", base.parts, strict=True) if not isinstance(item, ZeroExcitation)}
     parts: dict[str, object] = {}
     for axis, item in moving.items():
         parts[f"{axis}_m_s2"] = _largest((item,), t_s)[:, 0].tolist()
@@ -183,7 +177,6 @@ def _largest(items: Sequence[Excitation], t_s: Array) -> Array:
     """The values (n, k) of all items at the instant of their largest sum as vectors, among ten samples of each interval, so that
     no peak is lost in a drawing.
     """
-    step = t_s[1] - t_s[0]
-    fine = np.clip(t_s[:, None] + step * (np.arange(10) - 5.0) / 10.0, 0.0, t_s[-1])
+    fine = np.clip(t_s[:, None] + (t_s[1] - t_s[0]) * (np.arange(10) - 5.0) / 10.0, 0.0, t_s[-1])
     values = np.stack([np.asarray(item.accel_m_s2(fine.ravel())).reshape(fine.shape) for item in items], axis=2)
     return np.asarray(values[np.arange(len(t_s)), np.argmax((values**2).sum(axis=2), axis=1)])

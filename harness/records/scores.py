@@ -246,11 +246,10 @@ class Scores(Shown):
     def columns(self) -> dict[str, list[str] | list[float]]:
         """Every score that is one number, and what the stated numerical errors can change in it (NaN: not defined)."""
         names = [each.name for each in fields(self) if each.type in ONE_NUMBER]
-        errors = [self.numerical_uncertainty.get(name) for name in names]
         return {
             "score": names,
             "value": [_number(getattr(self, name)) for name in names],
-            "error": [*map(_number, errors)],
+            "error": [_number(self.numerical_uncertainty.get(name)) for name in names],
         }
 
     def plot(self, ax: Axes | None = None) -> Axes:

@@ -237,10 +237,8 @@ class StudyRecord(Record, Shown):
 
     def texted(self, say: Say) -> StudyRecord:
         """The record with its sentences, the evidence of each claim among them."""
-        if self.claims is None:
-            return super().texted(say)
-        claims = [replace(each, evidence=replace(each.evidence, text=say(each.evidence))) for each in self.claims]
-        return replace(super().texted(say), claims=claims)
+        said = [replace(each, evidence=replace(each.evidence, text=say(each.evidence))) for each in self.claims or ()]
+        return replace(super().texted(say), claims=self.claims and said)
 
     def plain(self) -> Plain:
         """The record as plain JSON values.

@@ -32,8 +32,7 @@ from harness.model import (
     translated,
     writing,
 )
-from harness.records.base import Plain, part
-from harness.records.result_folder import STORE, STORE_KINDS, STORE_NUMBER, store_kind
+from harness.records.base import STORE, STORE_KINDS, STORE_NUMBER, Plain, part, store_kind
 from harness.records.study import Value
 from harness.runs.task import RUN, RunRequest, TaskResult
 

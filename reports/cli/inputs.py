@@ -146,7 +146,7 @@ def motion_inspect(
 ) -> None:
     """Show a motion: measures in a table; histories, spectrum and Arias build-up in a picture."""
     from harness.model import write_json
-    from harness.records.result_folder import INSPECTED, check_folder, listing
+    from harness.records.base import INSPECTED, check_folder, listing
     from reports.export.figures import printed, write_picture
     from reports.export.motion_figure import WIDE, motion_picture
     from reports.terminal import motion_lines

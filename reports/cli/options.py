@@ -28,7 +28,7 @@ OUT: Final = Path("out")
 
 def folder_of(out: Path | None, file: Path, ending: str = "") -> Path:
     """The folder of a result: the one that is named, else one after the file that is asked about."""
-    from harness.records.result_folder import named_after
+    from harness.records.base import named_after
 
     return out or OUT / f"{named_after(file)}{ending}"
 

@@ -174,7 +174,7 @@ def validate(
 ) -> None:
     """Run the models on measured tests, tosses or drops and score them against what was observed; or on impact ratios."""
     from harness.questions.validate.validation_run import kind_of, run_validation, validate_measured
-    from harness.records.result_folder import check_folder
+    from harness.records.base import check_folder
 
     folder = folder_of(out, experiments)
     kind = kind_of(experiments, samples=samples, resume=resume, fit_share=fit_share, body=body, engine=engine)
@@ -208,7 +208,7 @@ def report(
     language: InLanguage = "en",
 ) -> None:
     """Write the pages of a result folder again from its records: report.html, and conservator.html where there is one."""
-    from harness.records.result_folder import read_result
+    from harness.records.base import read_result
     from reports.export.figures import browser, write_pdf
     from reports.pages.page import CONSERVATOR_NAME, FOR_CONSERVATORS, write_report
 

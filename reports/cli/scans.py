@@ -13,7 +13,7 @@ from harness.input.mesh_statue import MARBLE_KG_M3, findings_of, mesh_mistake, s
 from harness.input.mistakes import wanted_of
 from harness.model import Finding, InputError, Mistake, Say, check_own, checksum, require, texted, write_text, writing
 from harness.model import run as record
-from harness.records.result_folder import listed
+from harness.records.base import listed
 from reports.cli.options import ScanOptions, SupportOptions
 
 if TYPE_CHECKING:

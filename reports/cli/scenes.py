@@ -63,7 +63,7 @@ def run(
 ) -> None:
     """Run one scene with several engines; write histories, scores and a report."""
     from harness.questions.scene.scene_run import Ended, write_result
-    from harness.records.result_folder import check_folder
+    from harness.records.base import check_folder
 
     folder = folder_of(out, scene)
     check_folder(folder, ("run",))
@@ -238,8 +238,7 @@ def schema(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="The record's `kind`: run, study, …", show_default=False)],
 ) -> None:
     """Print the JSON Schema of a kind of `result.json`."""
-    from harness.records.base import schema_of
-    from harness.records.result_folder import KINDS, class_of
+    from harness.records.base import KINDS, class_of, schema_of
 
     check_known(kind, KINDS, "KIND")
     OutputOptions(as_json=True).say(schema_of(class_of(kind)), "")

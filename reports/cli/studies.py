@@ -33,8 +33,17 @@ from harness.questions.study.study_run import (
     witness_study,
 )
 from harness.records.assess import AssessRecord
-from harness.records.base import Record, option_words
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, read_own, write_whole
+from harness.records.base import (
+    COMING,
+    PAGES,
+    RECORD,
+    Record,
+    check_folder,
+    check_inputs,
+    option_words,
+    read_own,
+    write_whole,
+)
 from harness.records.study import ExportRecord
 from harness.runs.progress import LESS_STORED, ProgressMessages, progress
 from harness.runs.runner import LIMIT_S, DaskPool, LocalPool, Pool

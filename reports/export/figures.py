@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Final
 
 from harness.model import InputError, Mistake, check_known, check_own, require, required, writing
-from harness.records.base import Record
+from harness.records.base import Record, read_result
 from harness.records.effects3d import EffectsRecord
-from harness.records.result_folder import read_result
 from harness.records.run import RunRecord
 from harness.records.study import StudyRecord
 from reports.blocks import Chart, walk

@@ -8,8 +8,7 @@ from typing import Final
 from markupsafe import Markup
 
 from harness.model import InputError, Mistake, printable, write_text
-from harness.records.base import REWRITE, Record
-from harness.records.result_folder import RECORD, read_result
+from harness.records.base import RECORD, REWRITE, Record, read_result
 from reports.blocks import SHOWN_POINTS, Block, Replay, Section, walk
 from reports.charts.figure import dark_css
 from reports.messages import ENGLISH, Language, language

@@ -38,7 +38,7 @@ from harness.questions.validate import scenes as test_scenes
 from harness.questions.validate.drops import read_drops
 from harness.questions.validate.table import read_table
 from harness.questions.validate.tosses import read_tosses
-from harness.records.result_folder import write_whole
+from harness.records.base import write_whole
 from harness.runs.execute import Campaign
 from harness.runs.progress import ProgressMessages, progress
 from harness.runs.runner import InlinePool

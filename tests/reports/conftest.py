@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from harness.records.base import Record
-from harness.records.result_folder import read_result
+from harness.records.base import Record, read_result
 from reports.pages.page import CONSERVATOR_NAME, write_report
 from reports.source import RunSource, run_source
 from tests.measures.page_cost import NoBrowser, chromium

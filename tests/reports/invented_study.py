@@ -10,8 +10,7 @@ import numpy as np
 from harness.model import run as record
 from harness.questions.study import claims
 from harness.questions.study.study_record import answer_of, findings_of
-from harness.records.base import as_file, part, plain
-from harness.records.result_folder import read_result
+from harness.records.base import as_file, part, plain, read_result
 from harness.records.scene import SceneRecord
 from harness.records.study import CaseRun, StudyRecord, StudyRow
 from reports.messages import ENGLISH

@@ -16,8 +16,8 @@ from typing import Any, Final, Generic, TypeVar
 from harness.model import Say, require
 from harness.model import run as record
 from harness.records import base
+from harness.records.base import check_folder, full_kind, write_whole
 from harness.records.bench import BenchRecord, PartRow, StressRecord
-from harness.records.result_folder import check_folder, full_kind, write_whole
 from harness.runs.execute import Campaign
 from harness.runs.runner import Crash, InlinePool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store

@@ -49,7 +49,7 @@ from harness.questions.effects3d.search import (
 )
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.questions.study.cases import BaseScene, EngineName, base_of_scene
-from harness.records.base import part
+from harness.records.base import check_folder, part, write_whole
 from harness.records.effects3d import (
     BASELINE,
     SOLID,
@@ -64,7 +64,6 @@ from harness.records.effects3d import (
     ReplayRecord,
     StaticLimit,
 )
-from harness.records.result_folder import check_folder, write_whole
 from harness.records.scene import SceneRecord
 from harness.runs.execute import Campaign, OnProgress, silent
 from harness.runs.runner import Pool

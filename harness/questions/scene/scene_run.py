@@ -43,8 +43,7 @@ from harness.questions.scene.witness import (
     witnesses,
 )
 from harness.records.assess import Assessment
-from harness.records.base import option_words
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.base import COMING, PAGES, RECORD, check_folder, check_inputs, option_words, write_whole
 from harness.records.run import DecidedBy, HorizonRecord, RunRecord, Witness, own_moves
 from harness.records.scene import SceneRecord, motion_of
 from harness.records.scores import Scores, Verdict

@@ -26,7 +26,7 @@ from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
 from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
 from harness.model import Answer, Array, Say, info, machine, read_each, versions
-from harness.records.result_folder import write_whole
+from harness.records.base import write_whole
 from harness.records.study import RockingSpectrumRecord, SpectrumMotion, SpectrumSummary
 from harness.runs.execute import OnProgress
 from harness.runs.runner import Pool

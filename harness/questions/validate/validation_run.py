@@ -44,8 +44,7 @@ from harness.questions.validate.scoring import (
     score_pairs,
 )
 from harness.questions.validate.table import Trial, read_table
-from harness.records.base import RunCounts
-from harness.records.result_folder import COMING, PAGES, RECORD, check_folder, check_inputs, write_whole
+from harness.records.base import COMING, PAGES, RECORD, RunCounts, check_folder, check_inputs, write_whole
 from harness.records.scores import Interval
 from harness.records.study import CaseRun
 from harness.records.validation import (

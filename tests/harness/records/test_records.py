@@ -12,8 +12,7 @@ from harness import InputError, RunRecord, StudyRecord
 from harness.model import write_json
 from harness.questions.scene.scene_run import Result, run_scene, write_result
 from harness.questions.study.case_blocks import KeyedRow
-from harness.records.base import as_file, plain, schema_of, validated
-from harness.records.result_folder import KINDS, class_of, read_result
+from harness.records.base import KINDS, as_file, class_of, plain, read_result, schema_of, validated
 from reports.cli import app
 from tests.reports.every_kind import WRITERS
 from tests.scenes_for_tests import paestum

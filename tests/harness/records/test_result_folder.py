@@ -10,13 +10,13 @@ import pytest
 from harness import InputError, Scene, load_scene
 from harness.model import is_own, is_sealed, write_json, write_text, writing
 from harness.questions.scene.scene_run import Result, check_writing, run_scene, write_result
-from harness.records.base import as_file
-from harness.records.result_folder import (
+from harness.records.base import (
     COMING,
     PAGES,
     RECORD,
     STORE,
     STORE_KINDS,
+    as_file,
     check_folder,
     check_inputs,
     listed,

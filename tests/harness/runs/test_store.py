@@ -14,7 +14,7 @@ import pytest
 
 from harness import History, InputError, Mistake, Outcome, Run
 from harness.questions.study.study_record import export_csv
-from harness.records.result_folder import STORE_NUMBER
+from harness.records.base import STORE_NUMBER
 from harness.runs.store import Store
 from reports.cli.studies import unbegun
 from tests.stores_for_tests import is_sound, put
