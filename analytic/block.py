@@ -237,7 +237,7 @@ class Friction:
 
 
 CHOICES: Final = ("stuck", "moving")
-"""By the kernel's codes (`analytic.kernel.codes`)."""
+"""By the kernel's codes (`analytic.kernel.records`)."""
 
 
 @final

@@ -23,8 +23,7 @@ from analytic.block import (
     require,
 )
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from analytic.kernel.codes import HARMONIC, NONE, PULSES, SAMPLED
-from analytic.kernel.records import MAX_ORDER, Base, Floats, MotionParams, Params
+from analytic.kernel.records import HARMONIC, MAX_ORDER, NONE, PULSES, SAMPLED, Base, Floats, MotionParams, Params
 
 CONSISTENT: Final = Form()
 """The form in which no event raises the energy (docs/model.md, section 4)."""

@@ -1,7 +1,5 @@
 """Many parameter sets in parallel, in compiled code: overturning maps, fragilities, sensitivities; certified rows."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,13 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from analytic.block import GRAVITY_M_S2, OVERTURN_RAD, Block, Form, Pedestal, Wall, require
 from analytic.excitation import Excitation
-from analytic.kernel import codes
 from analytic.kernel.records import (
     BASE,
+    COSINE,
     COUNTS,
+    HARMONIC,
     MOTION_PARAMS,
+    NONE,
+    OVERTURNED_LEFT,
+    OVERTURNED_RIGHT,
     PARAMS,
+    RECTANGULAR,
     RESULTS,
+    SINE,
     STATE,
     TABLES,
     TASK,
@@ -45,6 +49,41 @@ from analytic.solver import (
     rounding,
     run,
 )
+
+# Many rows of the kernel's records, run one after another in compiled code.
+
+
+class Rows(NamedTuple):
+    """What the compiled code reads, row by row; arrays keeps alive those that it knows by their address."""
+
+    params: Records
+    motion_x: Records
+    motion_z: Records
+    bases: Records
+    arrays: tuple[Floats, ...]
+
+
+class Out(NamedTuple):
+    """What it writes, row by row."""
+
+    states: Records
+    """The instants at which the runs ended."""
+    results: Records
+    counts: Records
+
+    @classmethod
+    def of(cls, size: int) -> Self:
+        """Room for so many rows."""
+        return cls(*(np.zeros(size, record) for record in (STATE, RESULTS, COUNTS)))
+
+
+def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:
+    """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
+    task = bytearray(TASK.itemsize)
+    addresses = (table.ctypes.data for table in (*rows[:4], *out))
+    tables = np.array([(*addresses, start, stop)], TABLES)
+    run(address(task), address(tables))
+
 
 # Many problems with their certificates, for the outcome alone: what `certify` says of each, by two compiled sweeps.
 
@@ -192,7 +231,7 @@ class Ensemble:
     @property
     def overturned(self) -> NDArray[np.bool_]:
         """Whether each run overturned, to either side."""
-        return np.asarray((self.codes == codes.OVERTURNED_LEFT) | (self.codes == codes.OVERTURNED_RIGHT))
+        return np.asarray((self.codes == OVERTURNED_LEFT) | (self.codes == OVERTURNED_RIGHT))
 
 
 _PARAMETERS: Final = (
@@ -282,7 +321,7 @@ def ensemble(
         return np.ascontiguousarray(column).reshape(shape)
 
     outcome = shaped(out.states["outcome"])
-    falls = (outcome == codes.OVERTURNED_LEFT) | (outcome == codes.OVERTURNED_RIGHT)
+    falls = (outcome == OVERTURNED_LEFT) | (outcome == OVERTURNED_RIGHT)
     return Ensemble(
         codes=outcome,
         end_s=shaped(out.states["time_s"]),
@@ -311,30 +350,6 @@ def flattened(
     require(not wrong, "sweep: finite numbers are wanted in {}.", ", ".join(wrong))
     shape = np.broadcast_shapes(*(values.shape for values in columns.values()))
     return shape, {name: np.broadcast_to(values, shape).ravel() for name, values in columns.items()}
-
-
-class Rows(NamedTuple):
-    """What the compiled code reads, row by row; arrays keeps alive those that it knows by their address."""
-
-    params: Records
-    motion_x: Records
-    motion_z: Records
-    bases: Records
-    arrays: tuple[Floats, ...]
-
-
-class Out(NamedTuple):
-    """What it writes, row by row."""
-
-    states: Records
-    """The instants at which the runs ended."""
-    results: Records
-    counts: Records
-
-    @classmethod
-    def of(cls, size: int) -> Self:
-        """Room for so many rows."""
-        return cls(*(np.zeros(size, record) for record in (STATE, RESULTS, COUNTS)))
 
 
 def _rows(problem: Problem, options: Options, sweep: Mapping[str, Floats]) -> Rows:
@@ -391,16 +406,16 @@ def _vary_motion(name: str, values: Floats, xs: Records, zs: Records) -> None:
         return
     kind = int(xs["kind"][0])
     require(
-        kind in (codes.HARMONIC, codes.SINE, codes.COSINE, codes.RECTANGULAR),
+        kind in (HARMONIC, SINE, COSINE, RECTANGULAR),
         "sweep: {} needs a harmonic or pulse motion_x; use scale for records.",
         name,
     )
     if name in ("amplitude_m_s2", "phase_rad"):
         xs[name] = values
         return
-    require(kind != codes.RECTANGULAR, "sweep: a rectangular pulse has no frequency_hz.")
+    require(kind != RECTANGULAR, "sweep: a rectangular pulse has no frequency_hz.")
     xs["omega_rad_s"] = TWO_PI * values
-    if kind != codes.HARMONIC:
+    if kind != HARMONIC:
         xs["end_s"] = xs["start_s"] + 1.0 / values
 
 
@@ -419,7 +434,7 @@ def _check(params: Records, corners_x: Floats, xs: Records) -> None:
         "positive pedestal masses are wanted": floor | (params["pedestal_mass_kg"] > 0.0),
         "|theta0_rad| below the overturning limit and ratios up to 1 are wanted": starts
         & (params["restitution"] <= 1.0),
-        "positive frequencies are wanted": (xs["omega_rad_s"] >= 0.0) | (xs["kind"] == codes.NONE),
+        "positive frequencies are wanted": (xs["omega_rad_s"] >= 0.0) | (xs["kind"] == NONE),
     }
     for wanted, each in holds.items():
         require(each.all(), "sweep: {}.", wanted)
@@ -453,11 +468,3 @@ def in_pieces(
             if callable(progress):
                 progress(done, size)
         return [each.result() for each in waiting]
-
-
-def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:
-    """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
-    task = bytearray(TASK.itemsize)
-    addresses = (table.ctypes.data for table in (*rows[:4], *out))
-    tables = np.array([(*addresses, start, stop)], TABLES)
-    run(address(task), address(tables))

@@ -5,8 +5,6 @@ function at the bottom of ten is worked through ten times. Here a function that 
 made native once, in what the interpreter enters. That takes a quarter to a half of the time, and what comes out is faster.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from typing import Any, ClassVar, Final, Generic, ParamSpec, Protocol, TypeVar

@@ -5,19 +5,23 @@ With the floor at rest and the pedestal stuck, E = ½ J θ̇² + m g Z is consta
 rate: no step is needed to know which barrier is passed. Wherever a bound below cannot be shown, the run is integrated instead.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 
-from analytic.kernel import codes
-from analytic.kernel.codes import SAMPLED
 from analytic.kernel.compiler import jit, load_double
-from analytic.kernel.dynamics import place, vertex
+from analytic.kernel.dynamics import corner, place, vertex
 from analytic.kernel.forcing import is_jump, is_over, next_break_s, sampled_at
 from analytic.kernel.impact import impact
-from analytic.kernel.joint_state import corner
-from analytic.kernel.records import Motion, Task
+from analytic.kernel.records import (
+    BY_LEAN,
+    OVERTURNED_LEFT,
+    OVERTURNED_RIGHT,
+    SAMPLED,
+    STANDS,
+    TOUCHES_WALL,
+    Motion,
+    Task,
+)
 from analytic.kernel.track import leave, note_peak, note_rest, sample_state
 
 # What can be left out while nothing moves: records are looked through, not integrated.
@@ -210,7 +214,7 @@ def _note_ahead(task: Task, side: int, lean: float) -> None:
     params = task.params
     note_peak(task, side * lean, task.state.time_s)
     if params.keep_validity and lean > (params.base_right_rad if side > 0 else params.base_left_rad):
-        leave(task, task.state.time_s, codes.BY_LEAN)
+        leave(task, task.state.time_s, BY_LEAN)
 
 
 @jit
@@ -232,9 +236,9 @@ def _ahead(task: Task, pivot: int, side: int, theta: float, energy: float) -> tu
             return UNKNOWN, 0.0
     if wall < params.overturn_rad:
         _note_ahead(task, side, wall)
-        return codes.TOUCHES_WALL, 0.0
+        return TOUCHES_WALL, 0.0
     _note_ahead(task, side, params.overturn_rad)
-    return (codes.OVERTURNED_RIGHT if side > 0 else codes.OVERTURNED_LEFT), 0.0
+    return (OVERTURNED_RIGHT if side > 0 else OVERTURNED_LEFT), 0.0
 
 
 @jit
@@ -288,7 +292,7 @@ def _follow(task: Task) -> tuple[int, bool]:
                 turned = side * math.atan2(xv, zv) - math.acos(energy / (m * g * radius))
                 _note_ahead(task, side, min(turned, wall))
                 if wall < turned:
-                    return codes.TOUCHES_WALL, False
+                    return TOUCHES_WALL, False
                 omega = -omega  # it turns back, and comes by here the other way
                 continue
         if x * series.pivot_x[0] < 0.0:  # the centroid must pass over the corner first
@@ -302,7 +306,7 @@ def _follow(task: Task) -> tuple[int, bool]:
                 return outcome, number == 0
         if wall < side * load_double(task.base.facets, facet):
             _note_ahead(task, side, wall)
-            return codes.TOUCHES_WALL, False
+            return TOUCHES_WALL, False
         speed = side * math.sqrt(max(2.0 * (energy - m * g * z) / j, 0.0))
         pivot, omega, held = _landing(task, pivot, facet, speed)
         if not held:
@@ -311,7 +315,7 @@ def _follow(task: Task) -> tuple[int, bool]:
         xr, _, _ = corner(task, facet, 1)
         xl, _, _ = corner(task, facet, -1)
         if xr < 0.0 < xl and 0.5 * j * omega * omega <= SPENT * m * g * radius:
-            return codes.STANDS, False
+            return STANDS, False
     return EXHAUSTED, False
 
 
@@ -330,11 +334,11 @@ def decide(task: Task) -> bool:
         results.left_domain_s,
         results.left_domain_by,
     )
-    outcome, passed = (codes.STANDS, False) if state.pivot < 0 else _follow(task)
+    outcome, passed = (STANDS, False) if state.pivot < 0 else _follow(task)
     last = state.time_s >= task.params.duration_s
     if outcome == EXHAUSTED:
         state.followed = task.counts.impacts + NEXT_IMPACTS
-    if outcome in (EXHAUSTED, UNKNOWN) or not (passed or last or outcome == codes.STANDS):
+    if outcome in (EXHAUSTED, UNKNOWN) or not (passed or last or outcome == STANDS):
         # What lies ahead is met again.
         results.peak_theta_rad, results.peak_time_s = peak_rad, peak_s
         results.left_domain_s, results.left_domain_by = left_s, left_by

@@ -4,25 +4,35 @@ Between two breaks a motion is smooth, and a break ends every step (docs/model.m
 To add a pulse: its formula in `acceleration` and in `coefficients`; a kind without one is not a number, and no run survives it.
 """
 
-from __future__ import annotations
-
 import math
 
-from analytic.kernel import codes
 from analytic.kernel.compiler import inlined, jit, load_double, set_term, term
 from analytic.kernel.polynomial import sine_cosine
-from analytic.kernel.records import INVERSE, TERMS, Floats, Motion, Task
+from analytic.kernel.records import (
+    COSINE,
+    HARMONIC,
+    INVERSE,
+    NONE,
+    RECTANGULAR,
+    RICKER,
+    SAMPLED,
+    SINE,
+    TERMS,
+    Floats,
+    Motion,
+    Task,
+)
 
 
 @inlined
 def next_break_s(motion: Motion) -> float:
     """Time of the motion's next break, s; infinite after the last."""
     params, passed = motion.params, motion.breaks_passed
-    if params.kind == codes.SAMPLED:
+    if params.kind == SAMPLED:
         return load_double(params.times, passed) if passed < params.n_samples else math.inf
-    if params.kind == codes.HARMONIC:
+    if params.kind == HARMONIC:
         return params.ramp_s if passed == 0 and params.ramp_s > 0.0 else math.inf
-    if params.kind == codes.NONE or passed > 1:
+    if params.kind == NONE or passed > 1:
         return math.inf
     return params.start_s if passed == 0 else params.end_s
 
@@ -31,16 +41,16 @@ def next_break_s(motion: Motion) -> float:
 def is_jump(motion: Motion) -> bool:
     """Whether the acceleration itself may jump at the break that was passed last: inside a record only its slope does."""
     kind, passed = motion.params.kind, motion.breaks_passed
-    return kind != codes.HARMONIC and (kind != codes.SAMPLED or passed == 1 or passed == motion.params.n_samples)
+    return kind != HARMONIC and (kind != SAMPLED or passed == 1 or passed == motion.params.n_samples)
 
 
 @inlined
 def is_over(motion: Motion) -> bool:
     """Whether the motion is exactly zero from now on."""
     kind = motion.params.kind
-    if kind == codes.SAMPLED:
+    if kind == SAMPLED:
         return motion.breaks_passed >= motion.params.n_samples
-    return kind == codes.NONE or (kind != codes.HARMONIC and motion.breaks_passed >= 2)
+    return kind == NONE or (kind != HARMONIC and motion.breaks_passed >= 2)
 
 
 @inlined
@@ -103,31 +113,31 @@ def coefficients(motion: Motion, row: Floats, time: float, n: int) -> int:
     Beyond the degree the row is zero: records and rectangles never write there, and a pulse clears it.
     """
     params, kind = motion.params, motion.params.kind
-    if kind == codes.SAMPLED:
+    if kind == SAMPLED:
         start, first, slope = segment(motion)
         row[0], row[1] = first + slope * (time - start), slope
         return 1
-    if kind == codes.NONE:
+    if kind == NONE:
         row[0] = 0.0
         return 0
-    if kind != codes.HARMONIC and motion.breaks_passed != 1:  # before a pulse or after it
+    if kind != HARMONIC and motion.breaks_passed != 1:  # before a pulse or after it
         row[:] = 0.0
         return 0
-    if kind == codes.RECTANGULAR:
+    if kind == RECTANGULAR:
         row[0] = params.amplitude_m_s2
         return 0
     since = time - params.start_s
-    if kind == codes.RICKER:
+    if kind == RICKER:
         middle = 0.5 * (params.end_s - params.start_s)
         _ricker(row, n, params.amplitude_m_s2, params.omega_rad_s, since - middle)
         return n
     sine, cosine = sine_cosine(params.omega_rad_s * since + params.phase_rad)
-    if kind == codes.COSINE:
+    if kind == COSINE:
         sine, cosine = cosine, -sine
-    elif kind != codes.SINE and kind != codes.HARMONIC:
+    elif kind != SINE and kind != HARMONIC:
         sine, cosine = math.nan, math.nan
     _oscillation(motion, row, n, sine, cosine)
-    if kind == codes.HARMONIC and motion.breaks_passed == 0 and params.ramp_s > 0.0:  # times t/ramp
+    if kind == HARMONIC and motion.breaks_passed == 0 and params.ramp_s > 0.0:  # times t/ramp
         for k in range(n, 0, -1):
             row[k] = (row[k] * since + row[k - 1]) / params.ramp_s
         row[0] = row[0] * since / params.ramp_s
@@ -138,23 +148,23 @@ def coefficients(motion: Motion, row: Floats, time: float, n: int) -> int:
 def acceleration(motion: Motion, time: float) -> float:
     """The acceleration itself at a time of the stretch between the breaks passed and to come, m/s²."""
     params, kind = motion.params, motion.params.kind
-    if kind == codes.NONE:
+    if kind == NONE:
         return 0.0
-    if kind == codes.SAMPLED:
+    if kind == SAMPLED:
         return sampled_at(motion, time)
-    if kind == codes.HARMONIC:
+    if kind == HARMONIC:
         value = params.amplitude_m_s2 * math.sin(params.omega_rad_s * time + params.phase_rad)
         return value * time / params.ramp_s if params.ramp_s > 0.0 and motion.breaks_passed == 0 else value
     if motion.breaks_passed != 1:
         return 0.0
     since = time - params.start_s
-    if kind == codes.RECTANGULAR:
+    if kind == RECTANGULAR:
         return params.amplitude_m_s2
-    if kind == codes.SINE:
+    if kind == SINE:
         return params.amplitude_m_s2 * math.sin(params.omega_rad_s * since)
-    if kind == codes.COSINE:
+    if kind == COSINE:
         return params.amplitude_m_s2 * math.cos(params.omega_rad_s * since)
-    if kind == codes.RICKER:
+    if kind == RICKER:
         w = (params.omega_rad_s * (since - 0.5 * (params.end_s - params.start_s))) ** 2
         return params.amplitude_m_s2 * (1.0 - w) * math.exp(-0.5 * w)
     return math.nan

@@ -4,14 +4,11 @@ All impulses act at the new corner, so the statue keeps its angular momentum abo
 the whole keeps its horizontal momentum but for the floor's friction, and X of either corner has its own sign.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
-from analytic.kernel.codes import IMPACT
 from analytic.kernel.compiler import inlined, jit, load_double
-from analytic.kernel.joint_state import corner, start_series
-from analytic.kernel.records import Params, Task
+from analytic.kernel.dynamics import corner, start_series
+from analytic.kernel.records import IMPACT, Params, Task
 from analytic.kernel.track import change_state, note_impact
 
 

@@ -3,8 +3,6 @@
 Sums of many terms are taken in two halves, even and odd powers, which a processor adds up at the same time.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 

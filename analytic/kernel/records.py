@@ -1,11 +1,10 @@
-"""What one run reads and writes, by name: records that the compiled code sees as one piece of memory.
+"""What one run reads and writes, by name: whole numbers that stand for kinds, outcomes and events, and records that the compiled
+code sees as one piece of memory.
 
 Each class below is two things: what `mypy` and the interpreter know (a dataclass), and, through `layout` below, the
 same fields one after another in memory (a numpy record), which the compiler turns into plain loads and stores at known places.
 A field is a float, an int, a bool, another record, or an array of a stated shape.
 """
-
-from __future__ import annotations
 
 import math
 from dataclasses import dataclass
@@ -14,6 +13,36 @@ from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
+
+# Kinds of motion.
+NONE, HARMONIC, RECTANGULAR, SINE, COSINE, RICKER, SAMPLED = range(7)
+PULSES: Final = {"rectangular": RECTANGULAR, "one_sine": SINE, "one_cosine": COSINE, "ricker": RICKER}
+
+# Outcomes.
+RUNNING, STANDS, OVERTURNED_LEFT, OVERTURNED_RIGHT, TOUCHES_WALL, LIFT_OFF, FRICTION_PARADOX, UNDECIDED = range(8)
+
+# Events.
+(
+    NO_EVENT,
+    UPLIFT,
+    SLIP_ONSET,
+    STICK_ONSET,
+    IMPACT,
+    BREAK,
+    AT_LIMIT,
+    AT_WALL,
+    LOST_CONTACT,
+    NO_SOLUTION,
+    BEGIN,
+    FINISH,
+) = range(12)
+
+# Choices of `analytic.block.CHOICES`.
+MOVING: Final = 1
+
+# By what a run left the model's domain: from 1 on, 0 while it is inside.
+BY_PIVOT_SLIP, BY_LOST_CONTACT, BY_TIPPING, BY_LEAN = range(1, 5)
+
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,7 +83,7 @@ class Params:
     momentum_at_impact: bool
     """The pedestal takes its momentum at an impact; otherwise its velocity is unchanged."""
     choice: int
-    """One of the choices of `analytic.kernel.codes`."""
+    """One of the choices of `analytic.kernel.records`."""
     theta0_rad: float
     theta_rate0_rad_s: float
     duration_s: float
@@ -102,7 +131,7 @@ class MotionParams:
     """One component of the floor's acceleration; the samples of a record stand in the caller's arrays."""
 
     kind: int
-    """One of the kinds of `analytic.kernel.codes`."""
+    """One of the kinds of `analytic.kernel.records`."""
     amplitude_m_s2: float
     """Of a record, its largest absolute sample."""
     omega_rad_s: float = 0.0

@@ -2,18 +2,26 @@
 inside the model.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Final
 
-from analytic.kernel import codes
-from analytic.kernel.codes import BY_LEAN, BY_LOST_CONTACT, BY_PIVOT_SLIP, BY_TIPPING
 from analytic.kernel.compiler import cell_at, inlined, jit, load_double, set_term, store_double, term
-from analytic.kernel.dynamics import complete
-from analytic.kernel.joint_state import choose
+from analytic.kernel.dynamics import choose, complete
 from analytic.kernel.polynomial import first_root, value
-from analytic.kernel.records import EVENT_ROW, EventRow, Floats, Task
+from analytic.kernel.records import (
+    BREAK,
+    BY_LEAN,
+    BY_LOST_CONTACT,
+    BY_PIVOT_SLIP,
+    BY_TIPPING,
+    EVENT_ROW,
+    LIFT_OFF,
+    LOST_CONTACT,
+    NO_SOLUTION,
+    EventRow,
+    Floats,
+    Task,
+)
 
 # How far a run stays inside the model (docs/model.md, section 5): extremes kept while the run goes on.
 
@@ -283,6 +291,6 @@ def change_state(
         if ending != 0:
             state.outcome = ending
             note_event(task, kind, omega, rate, energy, feasible, residual)
-            kind = codes.LOST_CONTACT if ending == codes.LIFT_OFF else codes.NO_SOLUTION
-    if kind != codes.BREAK or pivot != state.pivot or slide != state.slide:
+            kind = LOST_CONTACT if ending == LIFT_OFF else NO_SOLUTION
+    if kind != BREAK or pivot != state.pivot or slide != state.slide:
         note_event(task, kind, omega, rate, energy, feasible, residual)

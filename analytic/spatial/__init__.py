@@ -17,19 +17,28 @@ in the body's frame. docs/spatial.md has the equations and what they assume.
 <Outcome.STANDS: 'stands'>
 """
 
-from analytic.spatial.outcomes import Outcomes as Outcomes
-from analytic.spatial.outcomes import outcomes as outcomes
-from analytic.spatial.problem import Body as Body
-from analytic.spatial.problem import Problem as Problem
-from analytic.spatial.solution import Event as Event
-from analytic.spatial.solution import EventKind as EventKind
-from analytic.spatial.solution import Interval as Interval
-from analytic.spatial.solution import Mode as Mode
-from analytic.spatial.solution import Outcome as Outcome
-from analytic.spatial.solution import Solution as Solution
-from analytic.spatial.solution import VertexState as VertexState
-from analytic.spatial.solver import Certified as Certified
-from analytic.spatial.solver import attitude_difference_rad as attitude_difference_rad
-from analytic.spatial.solver import certify as certify
-from analytic.spatial.solver import simulate as simulate
-from analytic.spatial.solver import solve as solve
+from analytic.spatial.problem import (
+    Body,
+    Event,
+    EventKind,
+    Interval,
+    Mode,
+    Outcome,
+    Problem,
+    Solution,
+    VertexState,
+)
+from analytic.spatial.solver import (
+    Certified,
+    Outcomes,
+    attitude_difference_rad,
+    certify,
+    outcomes,
+    simulate,
+    solve,
+)
+
+__all__ = [
+    "Body", "Certified", "Event", "EventKind", "Interval", "Mode", "Outcome", "Outcomes", "Problem", "Solution",
+    "VertexState", "attitude_difference_rad", "certify", "outcomes", "simulate", "solve",
+]  # fmt: skip

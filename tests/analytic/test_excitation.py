@@ -11,7 +11,7 @@ import analytic
 from analytic import spatial
 from analytic.block import AnalyticInputError
 from analytic.excitation import Excitation, Harmonic, Pulse, PulseShape, Record, Rest
-from analytic.kernel import codes
+from analytic.kernel import records
 from tests.budgets_analytic import QUADRATURE_REL, SAMPLED_PULSE_RAD
 
 MOTIONS: list[Excitation] = [
@@ -135,7 +135,7 @@ def test_a_pulse_is_run_as_the_same_motion_sampled(shape: Any) -> None:
 
 
 def test_a_kind_without_a_formula_is_given_up_and_run_as_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(codes.PULSES, "one_sine", FORGOTTEN)
+    monkeypatch.setitem(records.PULSES, "one_sine", FORGOTTEN)
     planar, spatially = solutions(analytic.Pulse("one_sine", 4.5, 0.8))
     assert (planar.outcome, planar.counts.given_up) == (analytic.Outcome.UNDECIDED, True)
     assert spatially.outcome is spatial.Outcome.UNDECIDED

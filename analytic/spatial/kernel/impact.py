@@ -1,19 +1,37 @@
 """Impacts: impulses at all vertices that touch, at once, and the mode after an event."""
 
-from __future__ import annotations
-
 import math
 from typing import Final
 
 from analytic.kernel.compiler import jit
-from analytic.spatial.kernel import codes
-from analytic.spatial.kernel.choose import choose, takes_part
 from analytic.spatial.kernel.contact import UNLIMITED, Rows, free_accelerations, largest, least_up, vertex_velocities
-from analytic.spatial.kernel.holding import hold_level, hold_place, hold_velocity, set_touch, take_heading, vertex_place
-from analytic.spatial.kernel.rates import contact_forces, kinetic_energy, touches_flat
-from analytic.spatial.kernel.records import SECTORS, Memory, Run
-from analytic.spatial.kernel.rest import rests
-from analytic.spatial.kernel.track import note_event, note_interval
+from analytic.spatial.kernel.modes import choose, rests, takes_part
+from analytic.spatial.kernel.motion import (
+    contact_forces,
+    hold_level,
+    hold_place,
+    hold_velocity,
+    kinetic_energy,
+    note_event,
+    note_interval,
+    set_touch,
+    take_heading,
+    touches_flat,
+    vertex_place,
+)
+from analytic.spatial.kernel.records import (
+    EDGE_SLIDE,
+    EDGE_STICK,
+    FLAT_REST,
+    FLAT_SLIDE,
+    FLIGHT,
+    IMPACT,
+    NO_MODE,
+    SECTORS,
+    SETTLED,
+    Memory,
+    Run,
+)
 from analytic.spatial.kernel.vectors import (
     Vector,
     apply,
@@ -146,7 +164,7 @@ def decide(s: Run, m: Memory, dropped_m_s: float) -> None:
     stand still in it."""
     for _ in range(CHOICES):
         if not _choose_slowly(s, m, dropped_m_s):
-            s.outcome = codes.NO_MODE
+            s.outcome = NO_MODE
             return
         enter(s, m)
         if _presses(s, m):
@@ -180,7 +198,7 @@ def _presses(s: Run, m: Memory) -> bool:
 
     On a base of three vertices nearly in a line what is taken from slow velocities gives them other directions.
     """
-    if s.mode not in (codes.FLAT_SLIDE, codes.EDGE_SLIDE):
+    if s.mode not in (FLAT_SLIDE, EDGE_SLIDE):
         return True
     s.slow = False
     rows = axes(m.y)
@@ -203,7 +221,7 @@ def _drop_rebounds(s: Run, m: Memory) -> None:
 def enter(s: Run, m: Memory) -> None:
     """Put the state into the mode just chosen: what does not take part is free, what sticks has its place."""
     if not touches_flat(s.mode):
-        if s.mode != codes.FLIGHT and s.touching > 1:
+        if s.mode != FLIGHT and s.touching > 1:
             _drop_rebounds(s, m)
         for i in range(m.vertices):
             m.down[i] = 1 if takes_part(s.mode, s.a, s.b, i) else 0
@@ -232,11 +250,11 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     v0, w0 = vector(m.y, 7), vector(m.y, 10)
     possible, returns = strike(s, m, rows, size)
     if not possible:
-        s.outcome = codes.NO_MODE
+        s.outcome = NO_MODE
         return
     cone = _worst_cone(s, m)
     m.impulse[:] = 0.0
-    if s.mode == codes.FLAT_REST and not returns:
+    if s.mode == FLAT_REST and not returns:
         m.y[7:13] = 0.0
     else:
         put(m.y, 7, plus(v0, to_table(rows, vector(m.response, 0))))
@@ -255,7 +273,7 @@ def collide(s: Run, m: Memory, vertex: int) -> None:
     s.cone_residual = max(s.cone_residual, cone)
     # From less than what is dropped of a rebound: the slip that such an impact sets off ends by itself as soon.
     decide(s, m, DROPPED * lands_m_s if lands_m_s <= s.settle_m_s else 0.0)
-    note_event(s, m, codes.SETTLED if settled else codes.IMPACT, vertex, loss, cone)
+    note_event(s, m, SETTLED if settled else IMPACT, vertex, loss, cone)
     m.impulse[:] = 0.0
 
 
@@ -280,16 +298,14 @@ def _audit_momentum(s: Run, m: Memory, v0: Vector, w0: Vector, total: Vector, mo
 @jit
 def _worst_cone(s: Run, m: Memory) -> float:
     """By how much impulses leave their cones, relative to their sum, an edge's split as friction allows."""
-    if s.mode == codes.FLIGHT or s.friction_static >= UNLIMITED:
+    if s.mode == FLIGHT or s.friction_static >= UNLIMITED:
         return 0.0
     rows, total, worst = axes(m.y), 0.0, 0.0
     for i in touched(s, m):
         f = to_table(rows, row3(m.force, i))
         total += abs(f[2])
         t = math.sqrt(f[0] * f[0] + f[1] * f[1])
-        worst = max(
-            worst, -f[2], t - max(m.stick_limit[i], m.slide_limit[i]) * f[2] if s.mode != codes.EDGE_STICK else -f[2]
-        )
+        worst = max(worst, -f[2], t - max(m.stick_limit[i], m.slide_limit[i]) * f[2] if s.mode != EDGE_STICK else -f[2])
     return worst / total if total > 0.0 else 0.0
 
 

@@ -1,24 +1,189 @@
-"""One run: steps of order eight, cut at the first event of the mode, then the impact and the next mode."""
-
-from __future__ import annotations
+"""One run: rests, and steps cut at the first event of the mode; then the impact and the next mode."""
 
 import math
 from typing import Final
 
-from analytic.kernel.codes import HARMONIC, NONE, SAMPLED
 from analytic.kernel.compiler import cell_at, inlined, jit, load_double
-from analytic.spatial.kernel import codes
-from analytic.spatial.kernel.contact import vertex_velocities
-from analytic.spatial.kernel.holding import hold_place, hold_velocity, take_heading, vertex_place
+from analytic.kernel.records import HARMONIC, NONE, RECTANGULAR, SAMPLED
+from analytic.spatial.kernel.contact import UNLIMITED, edge_friction, normal, tangent, vertex_velocities
 from analytic.spatial.kernel.impact import collide, decide
-from analytic.spatial.kernel.rates import kinetic_energy, rates
-from analytic.spatial.kernel.records import MEMORY, RUN, STATE, Memory, Run
-from analytic.spatial.kernel.rest import rests
-from analytic.spatial.kernel.resting import hold, needed
-from analytic.spatial.kernel.slow import bend, extrapolations, is_slow, slow_step, turning_time_s
-from analytic.spatial.kernel.steps import SAME_INSTANT_S, STAGES, error, part, stages, succeed
-from analytic.spatial.kernel.track import arm, audit, lowest, note_event, note_peak, sample, watch
+from analytic.spatial.kernel.modes import edge_distance, rests, thrust
+from analytic.spatial.kernel.motion import (
+    arm,
+    audit,
+    contact_forces,
+    hold_place,
+    hold_velocity,
+    kinetic_energy,
+    lowest,
+    note_event,
+    note_peak,
+    rates,
+    sample,
+    take_heading,
+    vertex_place,
+    watch,
+)
+from analytic.spatial.kernel.records import (
+    BREAK,
+    EDGE_PIVOT,
+    EDGE_STICK,
+    END,
+    FLAT_REST,
+    FLIGHT,
+    GAVE_UP,
+    MEMORY,
+    OVERTURN,
+    OVERTURNED,
+    RUN,
+    RUNNING,
+    SLIP_ONSET,
+    STANDS,
+    START,
+    STATE,
+    STICK_ONSET,
+    UNDECIDED,
+    UPLIFT,
+    VERTEX_STICK,
+    WATCH_GAP,
+    WATCH_NORMAL,
+    WATCH_SPEED,
+    WATCH_TILT,
+    Memory,
+    Run,
+)
+from analytic.spatial.kernel.steps import (
+    SAME_INSTANT_S,
+    STAGES,
+    bend,
+    error,
+    extrapolations,
+    is_slow,
+    part,
+    slow_step,
+    stages,
+    succeed,
+    turning_time_s,
+)
 from analytic.spatial.kernel.vectors import all_over, axes, field, pass_breaks, row3, to_table
+
+# A body at rest: how long it stays so, and the friction that sticking needs.
+
+
+REST_STEPS: Final = 64.0
+"""Steps to a period of a sine in which a body at rest is looked at."""
+TWO_PI: Final = 2.0 * math.pi
+
+
+@jit
+def needed(s: Run, m: Memory) -> None:
+    """Keep the largest of the least friction that sticking needs; what slides needs all that there is."""
+    least = s.friction_static
+    if s.mode == FLAT_REST:
+        # All feet stick together: the resultant of field and weight is what friction must hold.
+        g = field(s, m, s.time_s)
+        least = math.sqrt(g[0] * g[0] + g[1] * g[1]) / -g[2] if g[2] < 0.0 else math.inf
+    elif s.mode == EDGE_STICK or s.mode == VERTEX_STICK:
+        rows = axes(m.y)
+        contact_forces(s, m, m.y, rows, field(s, m, s.time_s))
+        if s.mode == EDGE_STICK:
+            least = edge_friction(m, rows, s.a, s.b)
+        else:
+            pushed = normal(m, rows, s.a)
+            least = tangent(m, rows, s.a) / pushed if pushed > 0.0 else 0.0
+    elif s.mode == FLIGHT:
+        return
+    s.least_friction = max(s.least_friction, least)
+
+
+@jit
+def rest_margin(s: Run, m: Memory, t: float) -> float:
+    """How far a body at rest is from its first limit, N: negative beyond it."""
+    rows = axes(m.y)
+    x, y, v, h = thrust(s, m, rows, field(s, m, t))
+    least = s.friction_static * v - h if s.friction_static < UNLIMITED else v
+    for k in range(s.touching):
+        least = min(least, edge_distance(s, m, rows, k, x, y) * v)
+    return least if v > 0.0 else -math.inf
+
+
+@jit
+def _rest_event(s: Run, m: Memory, low: float, high: float) -> float:
+    """When between two times the margin of rest becomes negative; it is so at the second."""
+    for _ in range(200):
+        # Nearer than some roundings of the time itself, a middle is one of both ends.
+        if high - low <= max(SAME_INSTANT_S, 4.0 * 2.2e-16 * high):
+            break
+        at = 0.5 * (low + high)
+        if rest_margin(s, m, at) >= 0.0:
+            low = at
+        else:
+            high = at
+    return high
+
+
+@jit
+def _dip(s: Run, m: Memory, low: float, high: float) -> float:
+    """The time of the least margin between two times about a single minimum, by golden sections."""
+    share = 0.5 * (math.sqrt(5.0) - 1.0)
+    a, b = high - share * (high - low), low + share * (high - low)
+    fa, fb = rest_margin(s, m, a), rest_margin(s, m, b)
+    for _ in range(60):
+        if min(fa, fb) < 0.0 or high - low < 1e-10:
+            break
+        if fa < fb:
+            high, b, fb = b, a, fa
+            a = high - share * (high - low)
+            fa = rest_margin(s, m, a)
+        else:
+            low, a, fa = a, b, fb
+            b = low + share * (high - low)
+            fb = rest_margin(s, m, b)
+    return a if fa < fb else b
+
+
+@jit
+def _rest_step_s(m: Memory) -> float:
+    """How finely a rest is looked through: between a record's samples all limits are convex, and their ends tell."""
+    longest = math.inf
+    for motion in m.motions:
+        if motion.params.kind not in (NONE, SAMPLED, RECTANGULAR):
+            longest = min(longest, TWO_PI / motion.params.omega_rad_s / REST_STEPS)
+    return longest
+
+
+@jit
+def hold(s: Run, m: Memory) -> None:
+    """Keep the body at rest up to the next break, or until it moves."""
+    until, step_s, found = s.limit_s, _rest_step_s(m), False
+    low, before, last = s.time_s, rest_margin(s, m, s.time_s), math.inf
+    start = low
+    while low < s.limit_s and not found:
+        high = min(low + step_s, s.limit_s)
+        now = rest_margin(s, m, high)
+        if now < 0.0:
+            until, found = _rest_event(s, m, low, high), True
+        elif before <= last and before <= now and step_s < math.inf:
+            at = _dip(s, m, start, high)
+            if rest_margin(s, m, at) < 0.0:
+                until, found = _rest_event(s, m, start, at), True
+        if s.keep_events and not found:
+            s.time_s = high
+            needed(s, m)
+        start, low, last, before = low, high, before, now
+    m.y1[:] = m.y
+    if s.output_step_s > 0.0:
+        while s.samples < m.instants - 1 and s.samples * s.output_step_s <= until:
+            sample(s, m, s.samples * s.output_step_s, m.y)
+    s.time_s = until
+    if s.keep_events:
+        needed(s, m)
+    if found:
+        g = field(s, m, s.time_s)
+        slips = s.friction_static < UNLIMITED and math.sqrt(g[0] ** 2 + g[1] ** 2) > s.friction_static * -g[2]
+        succeed(s, m)
+        note_event(s, m, SLIP_ONSET if slips else UPLIFT, -1, 0.0, 0.0)
+
 
 # What an event is: an impact, a stop, or a mode that has lost its own sign.
 
@@ -34,27 +199,27 @@ def happen(s: Run, m: Memory) -> None:
     gap, first, kind = -1, -1, -1
     for k in range(count):
         if m.watch[k] + m.offset[k] <= 0.0:
-            if m.watch_kind[k] == codes.WATCH_TILT:
-                s.outcome = codes.OVERTURNED
-                note_event(s, m, codes.OVERTURN, -1, 0.0, 0.0)
+            if m.watch_kind[k] == WATCH_TILT:
+                s.outcome = OVERTURNED
+                note_event(s, m, OVERTURN, -1, 0.0, 0.0)
                 return
-            if m.watch_kind[k] == codes.WATCH_GAP and gap < 0:
+            if m.watch_kind[k] == WATCH_GAP and gap < 0:
                 gap = m.watch_vertex[k]
             if first < 0:
                 first, kind = m.watch_vertex[k], m.watch_kind[k]
     s.stalled = s.stalled + 1 if s.time_s - s.event_s < 10.0 * SAME_INSTANT_S else 0
     s.event_s = s.time_s
     if s.stalled > STALLED:
-        s.outcome = codes.GAVE_UP
+        s.outcome = GAVE_UP
         return
     # An impact goes first: it changes the velocities and forces from which the other functions have their signs.
     if gap >= 0:
         collide(s, m, gap)
-    elif kind == codes.WATCH_SPEED:
+    elif kind == WATCH_SPEED:
         _stop(s, m, first)
     elif kind >= 0:
         succeed(s, m)
-        note_event(s, m, codes.UPLIFT if kind == codes.WATCH_NORMAL else codes.SLIP_ONSET, first, 0.0, 0.0)
+        note_event(s, m, UPLIFT if kind == WATCH_NORMAL else SLIP_ONSET, first, 0.0, 0.0)
     else:
         s.fresh = True
     audit(s, m, s.start_j)
@@ -64,7 +229,7 @@ def happen(s: Run, m: Memory) -> None:
 def _stop(s: Run, m: Memory, vertex: int) -> None:
     """A vertex' velocity along its direction has passed zero: it stops, unless it has only turned, as none can about a pivot."""
     moving = False
-    if vertex >= 0 and s.mode != codes.EDGE_PIVOT:
+    if vertex >= 0 and s.mode != EDGE_PIVOT:
         vertex_velocities(s, m, m.y)
         x = to_table(axes(m.y), row3(m.u, vertex))
         moving = math.sqrt(x[0] * x[0] + x[1] * x[1]) > 10.0 * s.still_m_s
@@ -72,7 +237,7 @@ def _stop(s: Run, m: Memory, vertex: int) -> None:
         s.fresh = True
         return
     decide(s, m, 0.0)
-    note_event(s, m, codes.STICK_ONSET, vertex, 0.0, 0.0)
+    note_event(s, m, STICK_ONSET, vertex, 0.0, 0.0)
 
 
 run_cell: Final = cell_at(RUN, Run)
@@ -193,7 +358,7 @@ def write_samples(s: Run, m: Memory, h: float) -> None:
 def step(s: Run, m: Memory) -> None:
     """One step, up to its first event at most."""
     if s.steps + s.rejected >= s.most_steps:
-        s.outcome = codes.GAVE_UP
+        s.outcome = GAVE_UP
         return
     if s.fresh:
         s.slow = False
@@ -221,7 +386,7 @@ def step(s: Run, m: Memory) -> None:
             break
         s.rejected += 1
         if h <= SHORTEST:
-            s.outcome = codes.GAVE_UP
+            s.outcome = GAVE_UP
             return
         h *= max(SHRINK, SAFETY * size**-exponent) if size < math.inf else SHRINK
     s.steps += 1
@@ -247,7 +412,7 @@ def step(s: Run, m: Memory) -> None:
 @jit
 def begin(s: Run, m: Memory) -> None:
     """The mode at t = 0: an impact first where a vertex that touches moves down."""
-    s.time_s, s.outcome, s.fresh, s.stalled, s.event_s = 0.0, codes.RUNNING, True, 0, -1.0
+    s.time_s, s.outcome, s.fresh, s.stalled, s.event_s = 0.0, RUNNING, True, 0, -1.0
     pass_breaks(s, m)
     down, rows = False, axes(m.y)
     s.touching = m.vertices
@@ -265,7 +430,7 @@ def begin(s: Run, m: Memory) -> None:
         collide(s, m, -1)
     else:
         decide(s, m, 0.0)
-        note_event(s, m, codes.START, -1, 0.0, 0.0)
+        note_event(s, m, START, -1, 0.0, 0.0)
     note_peak(s, m.y)
 
 
@@ -273,14 +438,14 @@ def begin(s: Run, m: Memory) -> None:
 def run_one(s: Run, m: Memory) -> None:
     """Run to the end; the state is the last one."""
     begin(s, m)
-    while s.outcome == codes.RUNNING and s.time_s < s.duration_s:
-        if s.mode == codes.FLAT_REST:
+    while s.outcome == RUNNING and s.time_s < s.duration_s:
+        if s.mode == FLAT_REST:
             if s.output_step_s == 0.0 and all_over(m) and rests(s, m, axes(m.y), field(s, m, s.time_s)):
                 break
             hold(s, m)
         else:
             step(s, m)
-        if s.outcome == codes.RUNNING and s.time_s >= s.limit_s and s.time_s < s.duration_s:
+        if s.outcome == RUNNING and s.time_s >= s.limit_s and s.time_s < s.duration_s:
             jump = False
             for motion in m.motions:
                 kind, passed, last = motion.params.kind, motion.breaks_passed, motion.params.n_samples
@@ -290,12 +455,12 @@ def run_one(s: Run, m: Memory) -> None:
                 mode = s.mode
                 decide(s, m, 0.0)
                 if mode != s.mode:
-                    note_event(s, m, codes.BREAK, -1, 0.0, 0.0)
+                    note_event(s, m, BREAK, -1, 0.0, 0.0)
     audit(s, m, s.start_j)
-    if s.outcome == codes.RUNNING:
+    if s.outcome == RUNNING:
         up = axes(m.y)[2][2]
-        s.outcome = codes.STANDS if s.mode == codes.FLAT_REST or up > s.stands_cos else codes.UNDECIDED
-    note_event(s, m, codes.END, -1, 0.0, 0.0)
+        s.outcome = STANDS if s.mode == FLAT_REST or up > s.stands_cos else UNDECIDED
+    note_event(s, m, END, -1, 0.0, 0.0)
     if s.output_step_s > 0.0:
         if s.samples > 0 and s.time_s - load_double(m.history, (s.samples - 1) * (STATE - 1)) <= 1e-9 * s.output_step_s:
             s.samples -= 1

@@ -1,11 +1,42 @@
-"""What one run reads and writes, by name: plain numbers in a record, vectors and tables in arrays."""
-
-from __future__ import annotations
+"""What one run reads and writes, by name: codes, plain numbers in a record, vectors and tables in arrays."""
 
 from dataclasses import dataclass
 from typing import Annotated, Final
 
 from analytic.kernel.records import Floats, Ints, Motion, layout
+
+# Modes: what touches, and how. The order is that of preference where several are possible: the one that sticks most.
+(
+    FLAT_REST,
+    EDGE_STICK,
+    FLAT_PIVOT,
+    EDGE_PIVOT,
+    VERTEX_STICK,
+    FLAT_SLIDE,
+    EDGE_SLIDE,
+    VERTEX_SLIDE,
+    FLIGHT,
+) = range(9)
+
+# By mode, what of the polygon of the vertices that touch stays on the floor, and
+FACET, EDGE, VERTEX, NOTHING = range(4)
+KEEPS: Final = (FACET, EDGE, FACET, EDGE, VERTEX, FACET, EDGE, VERTEX, NOTHING)
+# how: all of it sticks, it turns about vertex a, all of it slides, or it is nowhere.
+STICKS, PIVOTS, SLIDES, FLIES = range(4)
+DOES: Final = (STICKS, STICKS, PIVOTS, PIVOTS, STICKS, SLIDES, SLIDES, SLIDES, FLIES)
+
+# What one vertex does, where it touches.
+FREE, STICKING, SLIDING = range(3)
+
+# Outcomes.
+RUNNING, STANDS, OVERTURNED, NO_MODE, UNDECIDED, GAVE_UP = range(6)
+
+# Events.
+START, UPLIFT, SLIP_ONSET, STICK_ONSET, IMPACT, BREAK, OVERTURN, END, SETTLED = range(9)
+
+# What one event function watches.
+WATCH_GAP, WATCH_NORMAL, WATCH_FRICTION, WATCH_SPEED, WATCH_TILT = range(5)
+
 
 STATE: Final = 15
 """Items of a state: place of the centroid (3), quaternion w, x, y, z (4), velocity (3), angular velocity in the body's frame (3),
@@ -195,7 +226,7 @@ class Memory:
     instants: int
     """Rows there are."""
     event_table: int
-    """Address of rows of 6 + 3 n: see `analytic.spatial.kernel.track`."""
+    """Address of rows of 6 + 3 n: see `analytic.spatial.kernel.motion`."""
     interval_table: int
     """Address of rows of 2 + n."""
     rows: int

@@ -1,45 +1,11 @@
 """Three numbers at a time: tuples, which the compiler keeps in registers."""
 
-from __future__ import annotations
-
 import math
 
 from analytic.kernel.compiler import inlined, jit
 from analytic.kernel.forcing import acceleration, is_over, next_break_s
 from analytic.kernel.records import Floats, Ints
 from analytic.spatial.kernel.records import Memory, Run
-
-# The floor's acceleration as a body in space feels it, and the breaks of its three components.
-
-
-@jit
-def field(s: Run, m: Memory, t: float) -> Vector:
-    """g_e = (−a_x, −a_y, −g − a_z), table's frame, m/s²."""
-    x, y, z = acceleration(m.motions[0], t), acceleration(m.motions[1], t), acceleration(m.motions[2], t)
-    return -x, -y, -s.gravity_m_s2 - z
-
-
-@jit
-def pass_breaks(s: Run, m: Memory) -> None:
-    """Pass the breaks up to now, and note how far the motions are smooth."""
-    s.limit_s = s.duration_s
-    for motion in m.motions:
-        while next_break_s(motion) <= s.time_s:
-            motion.breaks_passed += 1
-        s.limit_s = min(s.limit_s, next_break_s(motion))
-
-
-@jit
-def all_over(m: Memory) -> bool:
-    """Whether the floor is at rest from now on."""
-    return is_over(m.motions[0]) and is_over(m.motions[1]) and is_over(m.motions[2])
-
-
-@inlined
-def touched(s: Run, m: Memory) -> Ints:
-    """The vertices that touch, in the polygon's order."""
-    return m.touch[: s.touching]
-
 
 Vector = tuple[float, float, float]
 
@@ -149,3 +115,35 @@ def turn(y: Floats, a: Vector) -> None:
     z2 = c * z1 + x * y1 - y_ * x1 + z * w1
     size = math.sqrt(w2 * w2 + x2 * x2 + y2 * y2 + z2 * z2)
     y[3], y[4], y[5], y[6] = w2 / size, x2 / size, y2 / size, z2 / size
+
+
+# The floor's acceleration as a body in space feels it, and the breaks of its three components.
+
+
+@jit
+def field(s: Run, m: Memory, t: float) -> Vector:
+    """g_e = (−a_x, −a_y, −g − a_z), table's frame, m/s²."""
+    x, y, z = acceleration(m.motions[0], t), acceleration(m.motions[1], t), acceleration(m.motions[2], t)
+    return -x, -y, -s.gravity_m_s2 - z
+
+
+@jit
+def pass_breaks(s: Run, m: Memory) -> None:
+    """Pass the breaks up to now, and note how far the motions are smooth."""
+    s.limit_s = s.duration_s
+    for motion in m.motions:
+        while next_break_s(motion) <= s.time_s:
+            motion.breaks_passed += 1
+        s.limit_s = min(s.limit_s, next_break_s(motion))
+
+
+@jit
+def all_over(m: Memory) -> bool:
+    """Whether the floor is at rest from now on."""
+    return is_over(m.motions[0]) and is_over(m.motions[1]) and is_over(m.motions[2])
+
+
+@inlined
+def touched(s: Run, m: Memory) -> Ints:
+    """The vertices that touch, in the polygon's order."""
+    return m.touch[: s.touching]

@@ -188,7 +188,7 @@ def corner_share(scene: Scene, history: History, until: int) -> float:
 
 EXACT: Final = "spatial"
 SECOND_TOLERANCE: Final = LEVELS[1][0]
-"""A thousandth of the local error at which outcomes are asked (`analytic.spatial.outcomes.TOLERANCE`)."""
+"""A thousandth of the local error at which outcomes are asked (`analytic.spatial.solver.OUTCOME_TOLERANCE`)."""
 MOST_STEPS: Final = 50_000
 """A run of more is given up, and told: rocking takes some hundreds of steps, a slide that creeps a million."""
 STEPS: Final[Mapping[str, float]] = {"analytic": 1.01, EXACT: 1.01, "pymunk": 1.03, "pybullet": 1.04}

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 import analytic
 from analytic import spatial
 from analytic.block import GRAVITY_M_S2 as GRAVITY
-from analytic.spatial.solution import Mode
+from analytic.spatial.problem import Mode
 from tests import budgets_spatial as budget
 
 Q = 3.0
