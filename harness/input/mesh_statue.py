@@ -8,10 +8,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+import meshes
 from harness.input.files import existing_file
 from harness.input.tables import AdjustTable, MeshTable, StatueTable
 from harness.model import (
@@ -28,12 +29,14 @@ from harness.model import (
     new_axes,
     require,
 )
-
-if TYPE_CHECKING:
-    from meshes import MeshError, Solid
-    from meshes.mesh import Doubt, Faces, RawMesh
-    from meshes.processing_log import ProcessingLog
-
+from meshes import MeshError, Solid, load_solid, repair, solid_from_mesh
+from meshes.doubts import doubts
+from meshes.intake import must_be_closed, must_be_one, must_have_thickness, to_metres_z_up
+from meshes.intake import read_mesh as read
+from meshes.mesh import Doubt, Faces, RawMesh
+from meshes.processing_log import ProcessingLog, measure
+from meshes.survey import adjusted, agrees, load_hollow, with_mass
+from meshes.text_cache import made_once
 
 # A mesh as a library's user reads it: mass properties of any scan, and what makes them doubtful.
 
@@ -103,10 +106,6 @@ def read_mesh(path: Path | str, unit: str | float = "m", *, up: str = "z", densi
     `unit` is the file's unit of length (m, dm, cm, mm, in, ft) or its length in metres, `up` its vertical axis. Raises
     `InputError` for a file that holds no such surface.
     """
-    from meshes import MeshError
-    from meshes.intake import must_have_thickness, to_metres_z_up
-    from meshes.intake import read_mesh as read
-    from meshes.processing_log import measure
 
     require(density_kg_m3 > 0.0, "read_mesh", "a positive density", repr(density_kg_m3), key="density_kg_m3")
     try:
@@ -136,9 +135,6 @@ def read_mesh(path: Path | str, unit: str | float = "m", *, up: str = "z", densi
 
 def _stood(mesh: RawMesh, density_kg_m3: float) -> tuple[Solid | None, tuple[Finding, ...]]:
     """The statue that stands on its base, where the surface is closed and whole, and what is doubtful of it."""
-    from meshes import MeshError, solid_from_mesh
-    from meshes.doubts import doubts
-    from meshes.intake import must_be_closed, must_be_one
 
     try:
         must_be_closed(mesh)
@@ -152,7 +148,6 @@ def _stood(mesh: RawMesh, density_kg_m3: float) -> tuple[Solid | None, tuple[Fin
 
 def _wound_alike(mesh: RawMesh) -> tuple[RawMesh, tuple[Finding, ...]]:
     """The surface without what is there twice, its faces outward as far as they hang together, and what was changed for it."""
-    from meshes import repair
 
     done = []
     for step in (repair.drop_duplicates, repair.wind_alike, repair.turn_outward):
@@ -175,7 +170,6 @@ SURVEYED: Final[Mapping[str, str]] = {
 
 def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: list[Finding]) -> Statue:
     """The statue of a table with its mesh; what was reconciled, hollowed or adjusted is added to `found`. Raises `InputError`."""
-    import meshes
 
     require(
         mesh.density_kg_m3 is not None or table.mass_kg is not None,
@@ -204,7 +198,7 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: lis
             found.append(info("mesh_hollow", **hollow))
         solid = _reconciled(solid, table, mesh, found)
         return statue_of(_adjusted(solid, mesh, found))
-    except meshes.MeshError as error:
+    except MeshError as error:
         raise InputError(mesh_mistake(error, f"{path}: {file.name}", "statue.mesh")) from error
 
 
@@ -233,13 +227,10 @@ def _solid(
     file: Path, inner: Path | None, changed_ns: tuple[int, ...], mesh: MeshTable, weighed_kg: float | None
 ) -> Solid:
     """The solid of a mesh file, read once for all scenes that use it as it is (`changed_ns` are the files' times of change)."""
-    import meshes
 
     density = None if weighed_kg is not None else mesh.density_kg_m3
-    load = partial(meshes.load_solid, file, density_kg_m3=density, mass_kg=weighed_kg)
+    load = partial(load_solid, file, density_kg_m3=density, mass_kg=weighed_kg)
     if inner is not None and mesh.inner is not None:
-        from meshes.survey import load_hollow
-
         load = partial(load_hollow, file, inner, mesh.inner.density_kg_m3, density_kg_m3=density, mass_kg=weighed_kg)
     return load(unit=mesh.unit, up=mesh.up, azimuth_deg=mesh.azimuth_deg, contact_tolerance_m=mesh.contact_tolerance_m)
 
@@ -247,17 +238,12 @@ def _solid(
 @lru_cache(maxsize=8)
 def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str) -> tuple[Doubt, ...]:
     """What makes the surface of a mesh file doubtful as a single statue: looked at once for its content, and kept."""
-    import meshes
-    from meshes.intake import read_mesh, to_metres_z_up
-    from meshes.mesh import Doubt
-    from meshes.text_cache import made_once
 
     how = f"rockcheck mesh prepare {file} --unit {unit} --up {up} --out statue.ply"
 
     def looked_at() -> str:
-        from meshes.doubts import doubts  # else not loaded
 
-        mesh = to_metres_z_up(read_mesh(file), unit, up)
+        mesh = to_metres_z_up(read(file), unit, up)
         return json.dumps([asdict(each) for each in doubts(mesh.vertices, mesh.faces, how)])
 
     code = b"".join(each.read_bytes() for each in sorted(Path(meshes.__file__).parent.glob("*.py")))
@@ -266,7 +252,6 @@ def _doubts(file: Path, changed_ns: tuple[int, ...], unit: str | float, up: str)
 
 
 def _surveyed(key: str, survey: float, mesh: float, used: str) -> Finding:
-    from meshes.survey import agrees
 
     values = {"key": f"statue.{key}", "survey": survey, "mesh": mesh, "change": survey / mesh - 1.0, "used": used}
     return info("mesh_agrees", **values) if agrees(survey, mesh) else caution("mesh_differs", **values)
@@ -274,7 +259,6 @@ def _surveyed(key: str, survey: float, mesh: float, used: str) -> Finding:
 
 def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, found: list[Finding]) -> Solid:
     """The survey's numbers set against the mesh, and those named in `use_survey` taken from it."""
-    from meshes.survey import with_mass
 
     if table.mass_kg is not None and mesh.density_kg_m3 is not None and mesh.inner is None:
         found.append(_surveyed("mesh.density_kg_m3", mesh.density_kg_m3, solid.density_kg_m3, "weighed_mass"))
@@ -295,7 +279,6 @@ def _reconciled(solid: Solid, table: StatueTable, mesh: MeshTable, found: list[F
 
 
 def _adjusted(solid: Solid, mesh: MeshTable, found: list[Finding]) -> Solid:
-    from meshes.survey import adjusted
 
     wanted = mesh.adjust
     if wanted == AdjustTable():

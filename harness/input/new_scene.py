@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -15,9 +15,9 @@ from harness.input.mesh_statue import findings_of, steps_of
 from harness.input.motions.recordfile import Channel, RecordFile
 from harness.input.motions.records import AZIMUTH_TOLERANCE_DEG, LEAST_CROSSING_DEG, crossing_deg
 from harness.model import Finding, Say, caution, info
-
-if TYPE_CHECKING:
-    from meshes.prepare import Inspection
+from meshes.footprint import slenderness_rose_rad, weakest_azimuth_deg
+from meshes.prepare import Inspection
+from meshes.solid import CONTACT_TOLERANCE_M
 
 QUIET_AFTER_S = 5.0
 """Time left after the record in which the statue may still rock, at least."""
@@ -82,14 +82,11 @@ def first_scene(
 
 def _statue(inspection: Inspection, scan: Path, mesh: Path, mass_kg: float | None, say: Say, *, assumed: bool) -> Part:
     """The scan, and its mass as weighed or by a density that may be assumed."""
-    from meshes import footprint as base
-    from meshes.solid import CONTACT_TOLERANCE_M
-
     solid = inspection.solid
     if solid is None:
         raise ValueError("a scene needs a statue that stands")
-    weakest = base.weakest_azimuth_deg(solid.footprint_m)
-    slender = float(base.slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0])
+    weakest = weakest_azimuth_deg(solid.footprint_m)
+    slender = float(slenderness_rose_rad(solid.footprint_m, solid.centroid_height_m, weakest)[0])
     told = [info("assumed_placing", slenderness_rad=slender)]
     density = f"{solid.density_kg_m3:g} kg/m³"
     if assumed:

@@ -17,7 +17,6 @@ from pydantic import JsonValue
 from analytic.block import AnalyticInputError
 from analytic.excitation import Excitation, ZeroExcitation
 from harness.input import motions, tables
-from harness.input.mesh_statue import statue_from_mesh
 from harness.input.tables import (
     InitialTable,
     Overrides,
@@ -341,6 +340,9 @@ def _statue_once(table: StatueTable, path: Path, found: list[Finding], statues: 
 
 def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
     if table.mesh is not None:
+        # A block loads no reader of meshes.
+        from harness.input.mesh_statue import statue_from_mesh
+
         return statue_from_mesh(table, table.mesh, path, found)
     mass, height_c = table.mass_kg, table.centroid_height_m
     left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2

@@ -9,7 +9,6 @@ import harness
 from harness import InputError, load_scene
 from harness.input import mesh_statue
 from harness.model import Severity
-from meshes import doubts
 from meshes.mesh import Doubt, RawMesh
 from tests.budgets_meshes import ROUND_OFF_REL
 from tests.meshes.scanner import write
@@ -145,7 +144,7 @@ def test_the_checks_of_a_scan_are_made_once_for_its_content(folder: Path, monkey
         mesh_statue._doubts.cache_clear()  # another process
         return [each.values["share"] for each in load_scene(folder).findings if each.code == "scan_pinched"]
 
-    monkeypatch.setattr(doubts, "doubts", counted)
+    monkeypatch.setattr(mesh_statue, "doubts", counted)
     assert looked() == looked() == [1]
     (kept,) = (folder.parent / "cache" / "rockcheck" / "meshes").glob("doubts-*.txt")
     for damage in (b"", b"[]", b'word\n["looked at, said another"]', b"\xff"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.input.files import decimals, numbers_at_once
-from harness.input.motions.readers import csv
+from harness.input.motions.readers import table
 
 
 def test_they_are_the_same_to_the_last_bit() -> None:
@@ -27,8 +27,8 @@ def test_a_table_reads_the_same_line_by_line(mark: str, monkeypatch: pytest.Monk
     between = ";" if mark == "decimal comma" else mark
     text = between.join(["t_s", "ax_(g)"]) + "\n" + "\n".join(between.join(row) for row in rows) + "\n"
     text = text.replace(".", ",") if mark == "decimal comma" else text
-    at_once = csv.read(text, "a.csv").channels[0]
-    monkeypatch.setattr(csv, "numbers_at_once", lambda lines, between: None)
-    by_line = csv.read(text, "a.csv").channels[0]
+    at_once = table.headed_columns(text, "a.csv").channels[0]
+    monkeypatch.setattr(table, "numbers_at_once", lambda lines, between: None)
+    by_line = table.headed_columns(text, "a.csv").channels[0]
     np.testing.assert_array_equal(at_once.accel_m_s2, by_line.accel_m_s2)
     assert at_once.accel_m_s2[1] == pytest.approx(-2.25 * 9.80665)

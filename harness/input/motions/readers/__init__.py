@@ -1,33 +1,18 @@
 """The readers of record files: the format is recognised by its content.
 
-To add a format: one file beside this one with MARK and read(lines, where), its place in _READERS, the strictest first, and its
-name in FORMATS (`recordfile.py`).
+To add a format: a function of lines and the file's name in `keyed.py`, `volumes.py` or a file beside them, what it is recognised
+by in _READERS, and its name in FORMATS (`recordfile.py`).
 """
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 from harness.input.files import read_bytes
-from harness.input.motions.readers import (
-    at2,
-    cosmos,
-    csv,
-    cwb,
-    esm,
-    geonet,
-    knet,
-    nsmn,
-    seed,
-    smc,
-    table,
-    unam,
-    v2,
-    volume1,
-)
+from harness.input.motions.readers import keyed, seed, table, volumes
 from harness.input.motions.recordfile import (
     CUT_OFF,
     FORMATS,
@@ -41,18 +26,27 @@ from harness.input.motions.recordfile import (
 )
 from harness.model import Finding, InputError, caution, info, require, weighed
 
-
-class Reader(Protocol):
-    """What a format's file offers."""
-
-    MARK: re.Pattern[str]
-    """What a file of this format begins with, damaged or not; its lines end in "\\n"."""
-
-    def read(self, lines: list[str], where: str) -> RecordFile:
-        """The channels of its lines; InputError where it is damaged."""
-
-
-_READERS: Final[tuple[Reader, ...]] = (geonet, knet, smc, volume1, v2, cosmos, esm, at2, nsmn, unam, cwb)
+Reader = Callable[[list[str], str], RecordFile]
+"""What gives the channels of a format's lines; InputError, with the file's name, where they are damaged."""
+_READERS: Final[Mapping[Reader, re.Pattern[str]]] = {
+    volumes.geonet: volumes.GEONET,
+    keyed.knet: re.compile(r"\s*origin time(?s:.{0,2000}?)(?:scale factor|station code)", re.IGNORECASE),
+    # The first line is "2 CORRECTED ACCELEROGRAM", or another kind's, and the second begins with *.
+    volumes.smc: re.compile(r"[^\S\n]*[1-6]\s.*(?:ACCELEROGRAM|VELOCITY|DISPLACEMENT|SPECTR).*\n\*", re.IGNORECASE),
+    volumes.volume1: volumes.VOLUME1,
+    # Of CSMIP's volume 2, too; SMC and GeoNet are asked first.
+    volumes.volume2: re.compile(r"(?s:.{0,180}?)CORRECTED ACCELEROGRAM", re.IGNORECASE),
+    volumes.cosmos: re.compile(r"(?s:.*?)(?:Integer|Real)-header values follow on", re.IGNORECASE),
+    keyed.esm: re.compile(r"(?=EVENT[_ ]|NETWORK:)(?:.*\n)*?EVENT[_ ](?:NAME|ID):", re.IGNORECASE),
+    # The first line says PEER, or the fourth speaks of the number of points and the step.
+    keyed.at2: re.compile(r"PEER .*(?:\n.*){3}|(?:.*\n){3}.*\bNPTS\b.*\bDT\b", re.IGNORECASE),
+    keyed.nsmn: re.compile(r"(?s:.{0,170}?)STRONG GROUND MOTION RECORDS OF T", re.IGNORECASE),
+    keyed.unam: re.compile(r"(?s:.{0,4000}?)ARCHIVO ESTANDAR DE ACELERACI", re.IGNORECASE),
+    keyed.cwb: re.compile(
+        r"(?=(?s:.{0,4000}?)#stationcode)(?s:.{0,4000}?)#(?:datasequence|amplitudeunit)", re.IGNORECASE
+    ),
+}
+"""What a file of each format begins with, damaged or not, its lines ending in "\\n"; the strictest first."""
 _HEAD: Final = 200
 """Lines in which a format shows itself; those of COSMOS begin with up to a hundred of comments."""
 _ALIKE = 0.5  # share of two file names' letters (without the ending) that agree at their ends, for files of one record
@@ -77,7 +71,7 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         return seed.read(raw, where, unit=named)
     text = text_of(raw, where)
     if layout is not None and layout.given:
-        described = table.read(text, where, unit=named, layout=layout)
+        described = table.described(text, where, unit=named, layout=layout)
         _check_end(text, where)
         return described
     if record := _of_a_network(text, where):
@@ -88,8 +82,8 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         advice = "take the record's own file (V1, V2)"
         raise mistake(where, "", "an accelerogram", f"a file of spectra ({spectra.group()})", advice)
     try:
-        if csv.recognises(text) or csv.names_times(text):
-            named_columns = csv.read(text, where, unit=named)
+        if table.recognises(text) or table.names_times(text):
+            named_columns = table.headed_columns(text, where, unit=named)
             _check_end(text, where)
             return named_columns
         names = ", ".join(FORMATS)
@@ -105,11 +99,11 @@ def _of_a_network(text: str, where: str) -> RecordFile | None:
     for version, said in _versions(text):
         lines = version.splitlines()
         head = "\n".join(lines[:_HEAD])
-        reader = next((each for each in _READERS if each.MARK.match(head)), None)
+        reader = next((each for each, mark in _READERS.items() if mark.match(head)), None)
         if reader is None:
             continue
         try:
-            record = reader.read(lines, where)
+            record = reader(lines, where)
             _check_end(text, where)
         except InputError as error:
             # The same reader's first refusal counts the file's own lines.
@@ -152,8 +146,8 @@ def _versions(text: str) -> Iterator[tuple[str, tuple[Finding, ...]]]:
 
 def _with_proposal(error: InputError, text: str, where: str) -> InputError:
     """The error with the options that would read the text as plain numbers, where no unit is all that is missing."""
-    first, headed = error.mistakes[0], csv.names_times(text)
-    if first.wanted == csv.UNIT:
+    first, headed = error.mistakes[0], table.names_times(text)
+    if first.wanted == table.UNIT:
         return error
     try:
         said = table.proposal(text, where, headed=headed)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions.readers import geonet, read_file, read_record
+from harness.input.motions.readers import read_file, read_record, volumes
 from harness.input.motions.recordfile import NUMERIC, ChannelOrientation
 from harness.model import InputError
 from tests.budgets_motions import CLOCK_S, COUNTS_M_S2, GAL_3, GAL_6, TENTH_G_3
@@ -366,4 +366,4 @@ def test_a_text_without_commas_is_not_told_to_have_decimal_ones(tmp_path: Path) 
 @pytest.mark.parametrize(("unit", "theirs"), [("mm/s/s", True), ("gal", False)])
 def test_without_its_first_line_a_file_of_geonet_is_known_by_its_unit_too(unit: str, theirs: bool) -> None:
     lines = [*["-"] * 12, "Component S90E", f"Accelerations in {unit}", "-", "-"]
-    assert (geonet.MARK.match("\n".join(lines)) is not None) is theirs
+    assert (volumes.GEONET.match("\n".join(lines)) is not None) is theirs
