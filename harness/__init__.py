@@ -18,7 +18,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from harness.accuracy.simulation import simulate
+    from harness.accuracy.refinement import simulate
     from harness.comparison.comparator import compare, compare_files
     from harness.input.history_file import read_history
     from harness.input.mesh_statue import Mesh, read_mesh
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from harness.runs.task import RunRequest
 
 _NAMES: Final = {
-    "harness.accuracy.simulation": "simulate",
+    "harness.accuracy.refinement": "simulate",
     "harness.comparison.comparator": "compare compare_files",
     "harness.input.history_file": "read_history",
     "harness.input.mesh_statue": "Mesh read_mesh",

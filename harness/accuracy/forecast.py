@@ -10,8 +10,14 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 from harness.accuracy.horizon import MODEL, last_s, outgrown_s
-from harness.accuracy.refinement import LONG_STEPS, START_SHARE, first_level, second_level
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.accuracy.refinement import (
+    DEFAULT_ACCURACY_RAD,
+    LONG_STEPS,
+    START_SHARE,
+    first_level,
+    second_level,
+    simulate,
+)
 from harness.engines import EXACT_IN_SPACE, load
 from harness.engines.base import EngineFailure, Settings
 from harness.model import MOST_TIMES, Run, RunOptions, Scene, number

@@ -8,19 +8,11 @@ from typing import Final
 import numpy as np
 
 from harness import engines
-from harness.accuracy.spread import PLAIN_ORDER, Error, Spread
 from harness.engines.analytic import TwoBlockSettings
 from harness.engines.base import Engine, EngineFailure, Settings
 from harness.model import History, Outcome, Run, RunOptions, Scene, first_beyond_s, number, pair
 from harness.records.run import HorizonRecord
 from harness.statics.plan import as_one
-
-# Whether finer steps are worth their cost: by how errors grow in the analytic model, and by what a climb's comparisons show.
-
-LEAST_COMPARED: Final = 3
-"""Comparisons before a climb is given up: the gain of one step to the next, which two tell, is luck where runs part at events."""
-MOST_ORDER: Final = 2.0
-"""Highest order that two differences are taken to show."""
 
 MODEL: Final = "analytic"
 """Its runs take milliseconds: it tells how errors grow in a scene."""
@@ -111,33 +103,6 @@ def several_slides_s(scene: Scene, run: Run) -> float:
         for corner_m in (statue.corner_left_m, statue.corner_right_m)
     )
     return number(run.validity, "plain_from_s") if slides and several else math.inf
-
-
-def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
-    """Whether no level is expected to reach `end_s`, by what all comparisons together gained: two of them tell luck.
-
-    A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless what
-    parts the runs is an event whose error falls with the step.
-    """
-    if len(spreads) < LEAST_COMPARED or spreads[-1].whole or _falls(spreads, finest_dt_s, target):
-        return False
-    first, last = spreads[0], spreads[-1]
-    reached_s = max(item.until_s for item in spreads)
-    gained = (reached_s - first.until_s) / math.log(first.coarse_dt_s / last.coarse_dt_s)
-    possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
-    return possible < end_s - reached_s
-
-
-def _falls(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
-    """Whether the largest difference of two runs falls with the step, so fast that the finest level should do."""
-    known = [item for item in spreads if 0.0 < item.apart.share_of(target) < math.inf]
-    if len(known) < 2:
-        return False
-    first, last = known[0], known[-1]
-    now, then = last.stated_to_the_end.share_of(target), first.stated_to_the_end.share_of(target)
-    order = math.log(then / now) / math.log(first.coarse_dt_s / last.coarse_dt_s)
-    expected = now * (finest_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
-    return order >= PLAIN_ORDER and expected <= 1.0
 
 
 def last_s(run: Run) -> float:

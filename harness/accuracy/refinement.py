@@ -2,7 +2,7 @@
 
 The error of a run is taken from the spread between it and a coarser run of the same engine with other settings (twice the
 step, other order of bodies, fewer iterations), never from another model. Where errors fall at least in proportion to the step,
-the finer run's is at most the spread over (the steps' ratio - 1); `spread.SAFETY` covers that errors of contact fall
+the finer run's is at most the spread over (the steps' ratio - 1); `SAFETY` covers that errors of contact fall
 irregularly. Two runs may agree by chance where small differences grow: so a third one, of the coarser settings under a slightly
 stronger motion, shows how they do (`sensitivity`). How often statements hold: docs/engines.md.
 """
@@ -10,34 +10,189 @@ stronger motion, shows how they do (`sensitivity`). How often statements hold: d
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from harness.accuracy.horizon import (
-    MOST_ORDER,
-    PERTURBED_SHARE,
-    amplified,
-    hopeless,
-    last_s,
-    outgrown_s,
-    several_slides_s,
-    unseen_tipping_s,
-)
-from harness.accuracy.spread import (
-    CLEAR,
-    NONE,
-    SAFETY,
-    Error,
-    Spread,
-    factor,
-    plain_from_s,
-    plain_share,
-    spread,
-    target_of,
-)
-from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
-from harness.model import Finding, Run, RunOptions, Scene, caution, info, number
+import numpy as np
+
+from harness import engines
+from harness.accuracy.horizon import PERTURBED_SHARE, amplified, last_s, outgrown_s, several_slides_s, unseen_tipping_s
+from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, EngineFailure, LayerFault, Settings, own_failures
+from harness.model import Array, Finding, Outcome, Run, RunOptions, Scene, caution, info, must_be_scene, number, require
+
+if TYPE_CHECKING:
+    from harness.input.tables import Overrides
+
+
+# How far two runs of one engine are apart in rotation and slip, and what that says of the finer one.
+
+
+SAFETY: Final = 3.0
+"""Stated uncertainty over the error that a spread shows: what the grid convergence index takes for two grids (Roache, 1994);
+docs/measured/random_scenes.md says how often it was enough."""
+LEAST_RATIO: Final = 1.5
+"""Two steps that are nearer to each other than this say no more of the error than two that are so far apart."""
+PLAIN_ORDER: Final = 0.5
+"""Order at which errors are taken to fall where events are not located: on tipping pedestals that of order 1 was missed by one
+statement in nine, most by less than a factor of 2.5, which is what this order makes of two steps of the ratio 2.2."""
+CLEAR: Final = 4.0
+"""One comparison is enough for any engine where two runs are nearer by this factor than they must be."""
+LEAST_COMPARED: Final = 200
+"""Instants at which two histories are compared at least, however coarse their output."""
+
+
+@dataclass(frozen=True)
+class Error:
+    """Error of a run, or a target for it: of the rotation, rad, and of the pedestal's slip, m."""
+
+    rotation_rad: float
+    slip_m: float
+
+    def times(self, factor: float) -> Error:
+        """Both multiplied by a factor."""
+        return Error(factor * self.rotation_rad, factor * self.slip_m)
+
+    def share_of(self, target: Error) -> float:
+        """The larger of the two, each as a share of its target."""
+        return max(self.rotation_rad / target.rotation_rad, self.slip_m / target.slip_m)
+
+    def or_more(self, *others: Error) -> Error:
+        """The largest rotation and the largest slip among this and others."""
+        items = (self, *others)
+        return Error(max(item.rotation_rad for item in items), max(item.slip_m for item in items))
+
+
+NONE: Final = Error(0.0, 0.0)
+
+
+def target_of(scene: Scene, accuracy_rad: float) -> Error:
+    """The target of both for a target of the rotation, rad: the slip is asked to the accuracy times the centroid's height h.
+
+    An error of the rotation moves the centroid by h times it, an error of the slip by itself: so neither counts for more. Without
+    friction on the floor, M du + m h dθ = 0, an error of the rotation makes one of the slip, of at most h times it.
+    """
+    return Error(accuracy_rad, accuracy_rad * scene.statue.centroid_height_m)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Difference of two runs: largest up to `until_s`, the last instant before it says that the target is missed.
+
+    Where events are not located, differences count `plain_share` times.
+    `clear_s` is the same for the target over `CLEAR`.
+    `coarse_dt_s`, `fine_dt_s`: their steps. `apart`: largest difference to the end, infinite where the ends differ.
+    """
+
+    largest: Error
+    until_s: float
+    whole: bool
+    coarse_dt_s: float
+    fine_dt_s: float
+    apart: Error = Error(math.inf, math.inf)
+    clear_s: float = 0.0
+
+    @property
+    def stated(self) -> Error:
+        """Uncertainty of the finer run that this difference shows."""
+        return self.largest.times(factor(self.coarse_dt_s, self.fine_dt_s))
+
+    @property
+    def stated_to_the_end(self) -> Error:
+        """The same from the largest difference to the end, though the target is missed before."""
+        return self.apart.times(factor(self.coarse_dt_s, self.fine_dt_s))
+
+
+def factor(coarse_dt_s: float, fine_dt_s: float) -> float:
+    """Stated uncertainty of a run over its largest difference from a run with a longer step."""
+    return SAFETY / (max(coarse_dt_s / fine_dt_s, LEAST_RATIO) - 1.0)
+
+
+def plain_from_s(run: Run) -> float:
+    """When a run left what its events are located for, infinite: it never did."""
+    return number(run.validity, "plain_from_s", math.inf)
+
+
+def plain_share(coarse_dt_s: float, fine_dt_s: float) -> float:
+    """By how much more two runs' difference counts where it falls with `PLAIN_ORDER` only."""
+    ratio = max(coarse_dt_s / fine_dt_s, LEAST_RATIO)
+    return float((ratio - 1.0) / (ratio**PLAIN_ORDER - 1.0))
+
+
+def spread(coarse: Run, fine: Run, target: Error, limit: Error | None = None) -> Spread:
+    """How far two runs are apart, and until when the finer one is by that within `target`.
+
+    `limit`: the difference that just meets the target, where the two differ by more than their steps.
+    Raises `ValueError` when a run has no history.
+    """
+    if coarse.history is None or fine.history is None:
+        raise ValueError("both runs must have kept their histories")
+    end_s = min(coarse.end_s, fine.end_s)
+    count = max(LEAST_COMPARED, min(coarse.history.t_s.size, fine.history.t_s.size))
+    times = np.linspace(0.0, end_s, count, dtype=np.float64)
+    turned = np.abs(coarse.history.at(times) - fine.history.at(times))
+    slid = np.abs(coarse.history.slip_at(times) - fine.history.slip_at(times))
+    # An overturn that only one run sees, or at another time, is a difference once the other has ended.
+    same_end = abs(coarse.end_s - fine.end_s) <= 2.0 * float(np.max(np.diff(fine.history.t_s), initial=0.0))
+    steps = number(coarse.settings, "dt_s"), number(fine.settings, "dt_s")
+    plain = np.where(times > min(plain_from_s(coarse), plain_from_s(fine)), plain_share(*steps), 1.0)
+    turned, slid = plain * turned, plain * slid
+    limit = limit or target.times(1.0 / factor(*steps))
+    share = np.maximum(turned / limit.rotation_rad, slid / limit.slip_m)
+    # How many instants come before the first at which they are further apart than that.
+    met, clear = (int(np.argmax(np.append(share > most, True))) for most in (1.0, 1.0 / CLEAR))
+    whole = met == share.size and (same_end or coarse.outcome == fine.outcome)
+    within = share.size if whole else min(met, share.size - 1)
+    until_s = fine.end_s if whole else float(times[max(within - 1, 0)])
+    return Spread(
+        _largest(turned[:within], slid[:within]),
+        until_s,
+        whole,
+        *steps,
+        apart=_largest(turned, slid) if whole or same_end else Error(math.inf, math.inf),
+        clear_s=until_s if clear == share.size else min(float(times[max(clear - 1, 0)]), until_s),
+    )
+
+
+def _largest(turned_rad: Array, slid_m: Array) -> Error:
+    return Error(float(np.max(turned_rad, initial=0.0)), float(np.max(slid_m, initial=0.0)))
+
+
+# Whether finer steps are worth their cost: by what a climb's comparisons show.
+
+LEAST_SPREADS: Final = 3
+"""Comparisons before a climb is given up: the gain of one step to the next, which two tell, is luck where runs part at events."""
+MOST_ORDER: Final = 2.0
+"""Highest order that two differences are taken to show."""
+
+
+def hopeless(spreads: list[Spread], end_s: float, finest_dt_s: float, target: Error) -> bool:
+    """Whether no level is expected to reach `end_s`, by what all comparisons together gained: two of them tell luck.
+
+    A small difference grows in proportion to itself, so each halving of the step gains about the same time; unless what
+    parts the runs is an event whose error falls with the step.
+    """
+    if len(spreads) < LEAST_SPREADS or spreads[-1].whole or _falls(spreads, finest_dt_s, target):
+        return False
+    first, last = spreads[0], spreads[-1]
+    reached_s = max(item.until_s for item in spreads)
+    gained = (reached_s - first.until_s) / math.log(first.coarse_dt_s / last.coarse_dt_s)
+    possible = gained * math.log(max(last.coarse_dt_s / finest_dt_s, 1.0))
+    return possible < end_s - reached_s
+
+
+def _falls(spreads: list[Spread], finest_dt_s: float, target: Error) -> bool:
+    """Whether the largest difference of two runs falls with the step, so fast that the finest level should do."""
+    known = [item for item in spreads if 0.0 < item.apart.share_of(target) < math.inf]
+    if len(known) < 2:
+        return False
+    first, last = known[0], known[-1]
+    now, then = last.stated_to_the_end.share_of(target), first.stated_to_the_end.share_of(target)
+    order = math.log(then / now) / math.log(first.coarse_dt_s / last.coarse_dt_s)
+    expected = now * (finest_dt_s / last.coarse_dt_s) ** min(order, MOST_ORDER)
+    return order >= PLAIN_ORDER and expected <= 1.0
+
 
 # How much a small change of the motion moves an engine's answer: where that is much, two runs may agree by chance. The error of
 # a step acts as a slightly other motion does. A third run, under a motion stronger by as much as the step is expected to err
@@ -81,7 +236,7 @@ RESPONSES: Final = 2
 def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: RunOptions) -> Run:
     """Compute a scene to a target accuracy of the rotation, rad, at the least cost that the engine's own spread allows.
 
-    The slip has the target of `spread.target_of`. The run states both uncertainties and until when they hold; where the
+    The slip has the target of `target_of`. The run states both uncertainties and until when they hold; where the
     target is not met for the whole run it says why. Raises `EngineFailure` when the engine cannot finish.
     """
     if engine.capabilities.certifies or not options.stated:
@@ -381,3 +536,102 @@ def _why_not_whole(best: Run, last: Spread, until_s: float, accuracy_rad: float,
         )
     why = {"dt_s": last.coarse_dt_s if small_rad is None else None, "small_rad": small_rad}
     return caution("target_met_until", target_rad=accuracy_rad, until_s=until_s, end_s=best.end_s, **why)
+
+
+# One engine on one scene: to an accuracy, or with an expert's own step; its failures told as outcomes.
+
+
+DEFAULT_ACCURACY_RAD: Final = 1e-3
+FINEST_DT_S: Final = 1e-6
+"""Finer steps than this are refused: 10 s would take ten million of them."""
+
+
+@dataclass(frozen=True)
+class RunTarget:
+    """What a run aims at: an accuracy, rad, or the expert's own step, s (neither: the default accuracy); and its options."""
+
+    accuracy_rad: float | None = None
+    dt_s: float | None = None
+    options: RunOptions = field(default_factory=RunOptions)
+
+    @property
+    def target_rad(self) -> float:
+        """The accuracy that is aimed at where no step is given, rad."""
+        return self.accuracy_rad or DEFAULT_ACCURACY_RAD
+
+
+def simulate(
+    scene: Scene,
+    engine: str,
+    *,
+    accuracy_rad: float | None = None,
+    dt_s: float | None = None,
+    options: RunOptions | None = None,
+    overrides: Overrides = (),
+) -> Run:
+    """Compute one scene with one engine to an accuracy (default 1e-3 rad) or with an expert's own step.
+
+    >>> run = harness.simulate(scene, "pymunk", accuracy_rad=1e-3)
+
+    `overrides` replace keys of the scene as `scene.replace` does. An engine's own failure is a `Run` whose outcome says so.
+    Raises `InputError` for an unknown engine or key, an accuracy or step out of range, or both given.
+    """
+    must_be_scene(scene, "simulate")
+    check_target(accuracy_rad, dt_s)
+    if overrides:
+        scene = scene.replace(overrides)
+    return simulate_with(engines.load(engine), scene, RunTarget(accuracy_rad, dt_s, options or RunOptions()))
+
+
+def simulate_with(engine: Engine, scene: Scene, target: RunTarget) -> Run:
+    """The same with an engine that is loaded, and a target that was checked."""
+    reason, start, spent_s = engine.missing(), time.perf_counter(), time.thread_time()
+    try:
+        with own_failures(engine.name):
+            if reason is not None:
+                run = failed(engine.name, Outcome.UNAVAILABLE, reason)
+            elif scene.initial.pose is not None and not engine.capabilities.posed_start:
+                reason = (
+                    f"{engine.name} does not begin from a pose in space (initial.position_m and its like): ask pybullet"
+                )
+                run = failed(engine.name, Outcome.CRASHED, reason)
+            elif target.dt_s is not None and not engine.capabilities.certifies:
+                run = engine.simulate(scene, engine.settings_for_dt(scene, target.dt_s), target.options)
+            else:
+                run = run_to_accuracy(engine, scene, target.target_rad, target.options)
+    except EngineFailure as error:
+        run = failed(engine.name, Outcome.CRASHED, str(error), time.perf_counter() - start)
+        if isinstance(error, LayerFault):
+            run = replace(run, validity={"layer_fault": error.code, **error.values})
+    axes = scene.base_excitation.axes(engine.capabilities.dimensions)
+    return replace(run, motion_axes=axes, cpu_s=time.thread_time() - spent_s)
+
+
+def check_target(accuracy_rad: float | None, dt_s: float | None) -> None:
+    """Raise `InputError` unless at most one of the two is given and it is in its range."""
+    require(accuracy_rad is None or dt_s is None, "--accuracy and --dt", "one of the two", "both")
+    require(
+        accuracy_rad is None or 1e-9 <= accuracy_rad <= 0.1,
+        "--accuracy",
+        "a rotation between 1e-9 and 0.1 rad",
+        f"{accuracy_rad!r}",
+    )
+    require(
+        dt_s is None or FINEST_DT_S <= dt_s <= 0.1, "--dt", f"a step between {FINEST_DT_S:g} and 0.1 s", f"{dt_s!r}"
+    )
+
+
+def failed(engine: str, outcome: Outcome, message: str, wall_s: float = 0.0) -> Run:
+    """A run that says why there is no answer."""
+    return Run(
+        engine=engine,
+        outcome=outcome,
+        history=None,
+        settings={},
+        steps=0,
+        wall_s=wall_s,
+        peak_theta_rad=0.0,
+        peak_time_s=0.0,
+        end_s=0.0,
+        message=message,
+    )

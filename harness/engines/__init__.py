@@ -12,8 +12,8 @@ REGISTRY: Final[Mapping[str, str]] = {
     "pymunk": "harness.engines.pymunk:Munk2D",
     "pybullet": "harness.engines.pybullet.adapter:Bullet3D",
     "spatial": "harness.engines.spatial:Spatial",
-    "pymunk:plain": "harness.engines.pymunk.plain:PlainMunk2D",
-    "pybullet:plain": "harness.engines.pybullet.plain:PlainBullet3D",
+    "pymunk:plain": "harness.engines.pymunk:PlainMunk2D",
+    "pybullet:plain": "harness.engines.pybullet.adapter:PlainBullet3D",
 }
 DEFAULT_ENGINES: Final = ("analytic", "pymunk", "pybullet")
 EXACT_IN_SPACE: Final = "spatial"

@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING, ClassVar, Final, final
 import numpy as np
 
 from harness.engines.base import MOVING_TABLE, RELIABLE_RAD, Engine, EngineFailure, Settings, own_settings, refuse
-from harness.engines.stepping import frame
-from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.frame import planar, statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.trajectory import Trajectory, apparent_gravity, planar, statue_columns
 from harness.model import (
     OVERTURN_RAD,
     SAME_END,
@@ -206,7 +204,7 @@ def trajectory_of(scene: Scene, solution: Solution) -> Trajectory:
         theta_rate_rad_s=rate,
         slip_m=nothing,
         slip_rate_m_s=nothing,
-        gravity_xz_m_s2=frame.apparent_gravity(scene, t_s)[:, [0, 2]],
+        gravity_xz_m_s2=apparent_gravity(scene, t_s)[:, [0, 2]],
         statue_xz_m=solution.position_m[:, [0, 2]],
         statue_rate_m_s=solution.velocity_m_s[:, [0, 2]],
         extra={**statue_columns(scene.statue, turn, solution.position_m), "energy_j": _energy_j(scene, solution)},

@@ -21,7 +21,7 @@ from pydantic import JsonValue
 from harness import engines
 from harness.accuracy.forecast import run_s
 from harness.accuracy.horizon import MODEL, TOLERANCE_RAD
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, simulate
 from harness.input.files import read_files
 from harness.input.scene_file import load_scene
 from harness.model import (

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from analytic.excitation import Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, RunTarget, failed, simulate, simulate_with
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, RunTarget, failed, simulate, simulate_with
 from harness.engines.base import Engine
 from harness.model import (
     BaseExcitation,

@@ -285,7 +285,7 @@ def compute(
 
 def asked_scene(scene_file: Path, asked: EngineOptions, target: TargetOptions) -> tuple[Scene, Sequence[str]]:
     """The scene of a file, and the engines that are to run it. Raises `InputError`, for a wrong target too."""
-    from harness.accuracy.simulation import check_target
+    from harness.accuracy.refinement import check_target
     from harness.engines import default_engines
     from harness.input.scene_file import load_scene
 

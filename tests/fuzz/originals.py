@@ -258,7 +258,7 @@ def tosses() -> bytes:
 
 def _store() -> bytes:
     """A store with one result and its history."""
-    from harness.accuracy.simulation import simulate
+    from harness.accuracy.refinement import simulate
     from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
     from harness.runs.store import Store
 

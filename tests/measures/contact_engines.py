@@ -8,8 +8,7 @@ from harness import Run, RunOptions, Scene, engines
 from harness.engines.base import Settings
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import build
-from harness.engines.stepping import frame
-from harness.engines.stepping.frame import Schedule
+from harness.engines.stepping.trajectory import Schedule, step_count
 from harness.questions.bench.standard_scenes import PAESTUM, PEDESTAL, harmonic, scene_of
 
 BEST_OF: Final = 5
@@ -82,7 +81,7 @@ def baseline_loop(scene: Scene, settings: MunkSettings) -> tuple[float, list[tup
         body.position -= dt * body.velocity
         body.angle -= dt * body.angular_velocity
     begin = time.perf_counter()
-    for x, _, z in Schedule(scene, dt, 0, frame.step_count(scene.duration_s, dt)).coarse:
+    for x, _, z in Schedule(scene, dt, 0, step_count(scene.duration_s, dt)).coarse:
         space.gravity = (x, z)
         space.step(dt)
         row: list[float] = []

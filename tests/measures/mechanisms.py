@@ -74,24 +74,24 @@ MUNK: Final[Mapping[str, Change]] = {
     **LAYER,
     "events located at all": {"harness.engines.pymunk:_located": _always(False)},
     "a turning statue held to its depth": {
-        _M + "support:SupportVertex._on_circle": lambda _: lambda self, state, *__: state
+        _M + "backend:SupportVertex._on_circle": lambda _: lambda self, state, *__: state
     },
-    "its velocity corrected beforehand": {_M + "support:velocity_owed": _always((0.0, 0.0))},
+    "its velocity corrected beforehand": {_M + "backend:velocity_owed": _always((0.0, 0.0))},
     "a statue at rest laid down": {
-        _M + "support:SupportVertex._at_rest": lambda _: lambda self, state, *__, **___: state
+        _M + "backend:SupportVertex._at_rest": lambda _: lambda self, state, *__, **___: state
     },
     "more iterations at impacts": {"harness.engines.pymunk:AT_IMPACTS": _number(1)},
 }
 BULLET: Final[Mapping[str, Change]] = {
     **LAYER,
     "events located at all": {_B + "run_phases:gaps_of": _always(None)},
-    "anchors let go where friction nears its limit": {_B + "backend:BulletBackend._look_at_grip": _always(None)},
+    "anchors let go where friction nears its limit": {_B + "world:BulletBackend._look_at_grip": _always(None)},
     "reach of contacts follows the turning": {
-        _B + "backend:NARROWER": _number(1e9),
-        _B + "backend:STEPS_OFF": _number(0.0),
+        _B + "world:NARROWER": _number(1e9),
+        _B + "world:STEPS_OFF": _number(0.0),
     },
     "tighter equations at events": {_B + "settings:BulletSettings.__init__": _loose},
-    "half of a symmetric scene": {_B + "mirror:halves": _always(False)},
+    "half of a symmetric scene": {_B + "run_phases:halves": _always(False)},
 }
 MECHANISMS: Final[Mapping[str, Mapping[str, Change]]] = {"pymunk": MUNK, "pybullet": BULLET}
 

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.model import BaseExcitation, Contact, Pedestal, Scene
 from meshes.footprint import reach_m
 from tests.measures.pages import renew, table

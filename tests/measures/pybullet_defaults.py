@@ -7,8 +7,8 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.pybullet import shapes
-from harness.engines.stepping import frame
+from harness.engines.pybullet import statue as body
+from harness.engines.stepping.trajectory import apparent_gravity, step_count
 from harness.model import Scene
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def run(scene: Scene, defaults: EngineDefaults) -> tuple[Array, Array]:
 
 def _built(scene: Scene, defaults: EngineDefaults, client: int) -> int:
     """Floor, pedestal and statue; returns the statue's body."""
-    floor = pybullet.createMultiBody(0.0, shapes.plane((0.0, 0.0, 1.0), client), physicsClientId=client)
+    floor = pybullet.createMultiBody(0.0, body.plane((0.0, 0.0, 1.0), client), physicsClientId=client)
     _surface(defaults, floor, scene.contact.floor_static if scene.pedestal else 1.0, client)
     top = 0.0
     if scene.pedestal is not None:
@@ -105,10 +105,10 @@ def _surface(defaults: EngineDefaults, body: int, friction: float, client: int) 
 
 
 def _stepped(scene: Scene, defaults: EngineDefaults, body: int, client: int) -> tuple[Array, Array]:
-    edges: Array = np.arange(frame.step_count(scene.duration_s, defaults.dt_s) + 1, dtype=np.float64) * defaults.dt_s
+    edges: Array = np.arange(step_count(scene.duration_s, defaults.dt_s) + 1, dtype=np.float64) * defaults.dt_s
     theta: Array = np.empty(edges.size)
     theta[0] = scene.initial.theta_rad
-    for k, gravity in enumerate(frame.apparent_gravity(scene, edges).tolist()):
+    for k, gravity in enumerate(apparent_gravity(scene, edges).tolist()):
         pybullet.setGravity(*gravity, physicsClientId=client)
         pybullet.stepSimulation(physicsClientId=client)
         _, turn = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)

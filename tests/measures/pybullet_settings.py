@@ -15,21 +15,19 @@ import numpy as np
 import pybullet
 
 from harness.engines import load
-from harness.engines.pybullet import pose, run_phases, shapes
-from harness.engines.pybullet.backend import BulletBackend
+from harness.engines.pybullet import run_phases
+from harness.engines.pybullet import statue as body
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.world import World
-from harness.engines.stepping.columns import Trajectory, trajectory
-from harness.engines.stepping.frame import Schedule
+from harness.engines.pybullet.world import BulletBackend, World
 from harness.engines.stepping.loop import Watch, integrate
-from harness.engines.stepping.step_log import StepLog
 from harness.engines.stepping.step_state import Stepper, StepState
+from harness.engines.stepping.trajectory import Schedule, StepLog, Trajectory, trajectory
 from harness.model import Array, History, Pedestal, RunOptions, Scene
 from tests.measures.contact_engines import PAPER, paper_scene
 from tests.measures.pages import renew_tables
 from tests.measures.pages import table as page_table
 
-Build = Callable[[World, Scene, pose.Setup], None]
+Build = Callable[[World, Scene, body.Setup], None]
 Cells = list[str]
 
 CLEARANCE_M: Final = 1e-4
@@ -37,14 +35,14 @@ CLEARANCE_M: Final = 1e-4
 CHOSEN: Final = BulletSettings(dt_s=2.5e-4, expected_error_rad=4e-5)
 
 
-def _ours(world: World, scene: Scene, setup: pose.Setup) -> None:
+def _ours(world: World, scene: Scene, setup: body.Setup) -> None:
     world.build(scene)
 
 
 def _other(statue_box: bool, pedestal_shape: str) -> Build:
     """The statue as a box or on feet, on a pedestal that is a plain box or has feet of its own under a box."""
 
-    def build(world: World, scene: Scene, setup: pose.Setup) -> None:
+    def build(world: World, scene: Scene, setup: body.Setup) -> None:
         _ours(world, scene, setup)
         client, radius = world.client, world.settings.foot_radius_m
         # Points that are sought anew in each step are no place to come back to.
@@ -70,7 +68,7 @@ def _other(statue_box: bool, pedestal_shape: str) -> Build:
                 pybullet.GEOM_BOX, halfExtents=size, collisionFramePosition=shift, physicsClientId=client
             )
         else:
-            shape = shapes.feet(setup.feet_m, radius, client)
+            shape = body.compound(setup.feet_m, radius, client)
         top = 2.0 * half[2] - radius
         height = top + s.centroid_height_m + (0.0 if statue_box else radius)
         world.statue = world.add(shape, s.mass_kg, setup.moments, [0.0, 0.0, height])
@@ -103,7 +101,7 @@ def _box_moments(p: Pedestal) -> Array:
 
 def measure(scene: Scene, level: BulletSettings, build: Build = _ours, *, half: bool = False) -> tuple[StepLog, float]:
     """Samples of a run with the given bodies, or with half of ours, and processor time per step, µs."""
-    setup = pose.prepare(scene).halved if half else pose.prepare(scene)
+    setup = body.prepare(scene).halved if half else body.prepare(scene)
     schedule = Schedule(scene, level.dt_s, 0, round(scene.duration_s / level.dt_s))
     gaps = run_phases.gaps_of(scene, setup, level) if level.events else None
     watch = Watch(axis=(0.0, 0.0, 1.0), rest=(0.0, 0.0, 1.0), quiet_from=None, gaps=gaps)

@@ -7,7 +7,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from harness.engines.pymunk.world import rotated
-from harness.engines.stepping import frame
+from harness.engines.stepping.trajectory import apparent_gravity, step_count
 from harness.model import Scene
 
 Array = NDArray[np.float64]
@@ -38,10 +38,10 @@ def run(scene: Scene, defaults: EngineDefaults) -> tuple[Array, Array]:
         top = given.height_m
     body = _statue(scene, top)
     space.add(body, *body.shapes)
-    edges: Array = np.arange(frame.step_count(scene.duration_s, defaults.dt_s) + 1, dtype=np.float64) * defaults.dt_s
+    edges: Array = np.arange(step_count(scene.duration_s, defaults.dt_s) + 1, dtype=np.float64) * defaults.dt_s
     theta: Array = np.empty(edges.size)
     theta[0] = scene.initial.theta_rad
-    for k, (gx, _, gz) in enumerate(frame.apparent_gravity(scene, edges).tolist()):
+    for k, (gx, _, gz) in enumerate(apparent_gravity(scene, edges).tolist()):
         space.gravity = (gx, gz)
         space.step(defaults.dt_s)
         theta[k + 1] = -body.angle

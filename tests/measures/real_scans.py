@@ -14,12 +14,11 @@ import pybullet
 import trimesh
 
 from harness import InputError, RunOptions, Scene, engines
-from harness.engines.pybullet.backend import reader
-from harness.engines.pybullet.pose import Setup, prepare
 from harness.engines.pybullet.run_phases import quiet_start_s
 from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.world import World
-from harness.engines.stepping.frame import Schedule
+from harness.engines.pybullet.statue import Setup, prepare
+from harness.engines.pybullet.world import World, reader
+from harness.engines.stepping.trajectory import Schedule
 from harness.questions.bench.standard_scenes import MESHES, record, scene_of
 
 BEST_OF: Final = 3

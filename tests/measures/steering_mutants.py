@@ -173,11 +173,11 @@ LAYER: Final[Mapping[str, Change]] = {
         for share in (1.0 + ARM, 1.0 - ARM)
     },
     "turned at an impact": {_E + "step_state:RowWriter.write": _turned_at_impact},
-    "shaking + 1 ‰": {_E + "frame:apparent_gravity": _shaken},
-    "gravity + 1 ‰": {"harness.engines.stepping.frame:apparent_gravity": _gravity},
+    "shaking + 1 ‰": {_E + "trajectory:apparent_gravity": _shaken},
+    "gravity + 1 ‰": {_E + "trajectory:apparent_gravity": _gravity},
     "inertia + 1 ‰": {
         "harness.engines.pymunk.world:build": _heavier,
-        "harness.engines.pybullet.pose:prepare": _heavier,
+        "harness.engines.pybullet.statue:prepare": _heavier,
     },
     "turned the other way": {
         _E + "step_state:StepState.turn": lambda own: lambda self, seconds, foot_m: own(self, -seconds, foot_m)

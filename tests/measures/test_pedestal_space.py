@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from tests.measures.pedestal_space import SAMPLE_S, SINKS, row_of, springs
 from tests.scenes_for_tests import paestum
 

@@ -4,19 +4,15 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from harness.engines.pybullet import mirror
-from harness.engines.pybullet.backend import BulletBackend
-from harness.engines.pybullet.feet import EdgeCrossing, EdgeWatch
-from harness.engines.pybullet.pose import Setup, vector
-from harness.engines.pybullet.settings import BulletSettings
-from harness.engines.pybullet.shapes import FullShape, full_shape
-from harness.engines.pybullet.world import World, at_rest
+import pybullet
+
+from harness.engines.pybullet.settings import BulletSettings, halves
+from harness.engines.pybullet.statue import EdgeCrossing, EdgeWatch, FullShape, Setup, full_shape, vector
+from harness.engines.pybullet.world import BulletBackend, World, at_rest
 from harness.engines.stepping import loop
-from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.engines.stepping.frame import Schedule, greatest_pull_m_s2, step_count
-from harness.engines.stepping.loop import MOST_FREE, SETTLE_STEPS, RestSpells, WallWatch, Watch
-from harness.engines.stepping.step_log import StepLog
-from harness.engines.stepping.step_state import Stepper, StepState
+from harness.engines.stepping.loop import LOOK_STEPS, MOST_FREE, SETTLE_STEPS, RestSpells, WallWatch, Watch, plain_steps
+from harness.engines.stepping.step_state import ContactGaps, Stepper, StepState
+from harness.engines.stepping.trajectory import Schedule, StepLog, greatest_pull_m_s2, step_count
 from harness.model import RunOptions, Scene
 from harness.statics.plan import LimitsOfRest, first_motion_s
 
@@ -50,7 +46,7 @@ def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) 
         if not options.allows("base_only"):
             full, full_from = full_shape(scene, level.full_shape), 0.0
     whole = setup
-    if options.allows("mirror") and mirror.halves(scene):
+    if options.allows("mirror") and halves(scene):
         whole = setup.flat
         setup = whole if full is not None else setup.halved
     mirrored = setup.mirrored
@@ -142,3 +138,43 @@ def gaps_of(scene: Scene, setup: Setup, level: BulletSettings, *, edges: bool = 
 def quiet_start_s(scene: Scene, setup: Setup) -> float:
     """Time before which nothing can move: 0 where the statue rests aslant."""
     return first_motion_s(scene) if setup.rest.lean_rad == 0.0 else 0.0
+
+
+# Whole steps of an unmodified Bullet.
+
+BOUNCES_ABOVE_M_S: Final = 0.02
+"""Where contacts bounce, slower ones do not: a body that has come to rest would never rest."""
+
+
+def run_plain(scene: Scene, settings: BulletSettings, setup: Setup, options: RunOptions) -> tuple[StepLog, str | None]:
+    """All samples of plain steps, and what the full shape was, None where the vertices that touch were enough."""
+    schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
+
+    def stepped(full: FullShape | None, leave: EdgeWatch | None) -> StepLog:
+        wall = WallWatch.of(scene, setup.axes, settings.dt_s)
+        fallen = options.allows("stop_at_overturn")
+        watch = Watch(setup.axis, leave=leave, stop=options.stop, ends_fallen=fallen, wall=wall)
+        with World(settings, setup) as world:
+            world.build(scene, None if full is None else full.turned(scene.statue, setup.axes))
+            if scene.contact.restitution is not None:
+                _bounce(world, scene.contact.restitution)
+            return plain_steps(BulletBackend(world, settings.dt_s), schedule, watch)
+
+    p = scene.pedestal
+    if p is None:
+        return stepped(None, None), None
+    if options.allows("base_only"):
+        edge = EdgeWatch(setup.hull_m, p.half_m, LOOK_STEPS * settings.dt_s, greatest_pull_m_s2(scene))
+        record = stepped(None, edge)
+        if not edge(record.row(-1)):
+            return record, None
+    # The statue comes to the pedestal's edge: a body is not exchanged on the way, the run begins again with all of it.
+    full = full_shape(scene, settings.full_shape)
+    return stepped(full, None), full.note
+
+
+def _bounce(world: World, restitution: float) -> None:
+    """Let contacts between the statue and the floor return this share of their normal velocity (Bullet multiplies both)."""
+    pybullet.setPhysicsEngineParameter(restitutionVelocityThreshold=BOUNCES_ABOVE_M_S, physicsClientId=world.client)
+    for body in (world.statue, world.floor):
+        pybullet.changeDynamics(body, -1, restitution=math.sqrt(restitution), physicsClientId=world.client)

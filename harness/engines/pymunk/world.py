@@ -10,8 +10,8 @@ from pymunk import batch
 from pymunk._chipmunk_cffi import ffi, lib
 
 from harness.engines.pymunk.settings import MunkSettings
-from harness.engines.stepping.step_log import Impulse
 from harness.engines.stepping.support import FLAT_M, pedestal_inertia_kg_m2
+from harness.engines.stepping.trajectory import Impulse
 from harness.model import Array, Pedestal, Pose, Scene
 
 # Chipmunk's own functions, called without pymunk's Python layer around each step.
@@ -178,7 +178,7 @@ def _statue(scene: Scene, settings: MunkSettings) -> pymunk.Body:
 
 
 def _throw(body: pymunk.Body, pose: Pose) -> None:
-    """Place a body as a pose in the rocking plane says; `harness.engines.pymunk.plain` refuses any other."""
+    """Place a body as a pose in the rocking plane says; `harness.engines.pymunk` refuses any other."""
     (w, _, turn, _), (x, _, z), (u, _, v) = pose.quaternion_wxyz, pose.position_m, pose.velocity_m_s
     body.angle, body.angular_velocity = -2.0 * math.atan2(turn, w), -pose.angular_velocity_rad_s[1]
     body.position, body.velocity = (x, z), (u, v)

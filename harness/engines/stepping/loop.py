@@ -10,13 +10,23 @@ from typing import Final
 import numpy as np
 
 from harness.engines.base import MOVING_TABLE, refuse
-from harness.engines.stepping.columns import trajectory
-from harness.engines.stepping.contact_gaps import ContactGaps
-from harness.engines.stepping.coulomb import followed, stuck_below_m_s
-from harness.engines.stepping.frame import SAME_INSTANT, Schedule, fallen, greatest_pull_m_s2, matrices
-from harness.engines.stepping.step_log import ALONE, Row, StepLog, Vector, advanced, axis_of, base_velocity
-from harness.engines.stepping.step_state import Backend, ContactTimeEstimate, HalfCycle, Stepper, StepState
-from harness.engines.stepping.support import wall_touch
+from harness.engines.stepping.step_state import Backend, ContactGaps, ContactTimeEstimate, HalfCycle, Stepper, StepState
+from harness.engines.stepping.support import followed, stuck_below_m_s, wall_touch
+from harness.engines.stepping.trajectory import (
+    ALONE,
+    SAME_INSTANT,
+    Row,
+    Schedule,
+    StepLog,
+    Vector,
+    advanced,
+    axis_of,
+    base_velocity,
+    fallen,
+    greatest_pull_m_s2,
+    matrices,
+    trajectory,
+)
 from harness.model import Array, Scene
 from harness.statics.plan import LimitsOfRest
 
@@ -110,7 +120,7 @@ first."""
 
 @dataclass(eq=False)
 class WallWatch:
-    """Whether the run has come to its end at a wall; `axes` and `step_s` as `columns.trajectory` takes them."""
+    """Whether the run has come to its end at a wall; `axes` and `step_s` as `trajectory` takes them."""
 
     scene: Scene
     axes: Array | None

@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.stepping import support
-from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.coulomb import check_friction, friction_is_known
-from harness.engines.stepping.frame import OVERTURN_COS
-from harness.engines.stepping.support import Corners, plain_spells
+from harness.engines.stepping.support import Corners, check_friction, friction_is_known, plain_spells
+from harness.engines.stepping.trajectory import OVERTURN_COS, Trajectory
 from harness.model import (
     OVERTURN_RAD,
     Array,

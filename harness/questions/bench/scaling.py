@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.model import Finding, Scene, grouped, info
 from harness.questions.bench.parts import cost, peak_memory_mb, processor_s
 from harness.questions.bench.skips import written_study

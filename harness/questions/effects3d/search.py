@@ -13,7 +13,7 @@ from pydantic import Field
 
 from analytic.excitation import ZeroExcitation
 from harness.accuracy.horizon import amplified
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.engines.spatial import LEVELS, problem_of
 from harness.input.mesh_statue import statue_of
 from harness.input.mistakes import UserTable

@@ -11,7 +11,7 @@ import numpy as np
 from analytic.excitation import ZeroExcitation
 from harness import engines
 from harness.accuracy.horizon import settings_of
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, simulate
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, simulate
 from harness.comparison.comparator import CODES, compare
 from harness.comparison.scores import errors
 from harness.engines.base import EngineFailure

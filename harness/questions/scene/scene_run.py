@@ -11,7 +11,7 @@ from typing import Final
 from harness import engines
 from harness.accuracy.forecast import run_s, worth_a_process
 from harness.accuracy.horizon import horizon_of, settings_of
-from harness.accuracy.simulation import RunTarget, check_target, failed, simulate_with
+from harness.accuracy.refinement import RunTarget, check_target, failed, simulate_with
 from harness.comparison.comparator import compare
 from harness.engines.base import Engine, EngineFailure
 from harness.input.files import read_files

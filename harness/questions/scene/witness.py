@@ -3,7 +3,7 @@
 Two runs of a plain engine, with steps that the budget allows, state by their own spread how far that engine is from its own
 convergence. Each run of the scene is then judged against the finer of the two as any two models are. So much of this is
 independent of the model: contact, friction, impact and integration are the engine's; shapes, masses and coefficients are the
-scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.stepping.coulomb.followed`), which is
+scene's. Two coefficients of friction are followed by the plainest rule (`harness.engines.stepping.support.followed`), which is
 another convention than the model's: they take the static one as an impact breaks the pedestal loose, and so does the model that
 is held against them (`under_static`).
 """
@@ -14,8 +14,7 @@ from typing import Final
 
 from harness import engines
 from harness.accuracy.horizon import MODEL, PERTURBED_SHARE, by_model, outgrown_s
-from harness.accuracy.simulation import RunTarget, simulate_with
-from harness.accuracy.spread import Error, spread, target_of
+from harness.accuracy.refinement import Error, RunTarget, simulate_with, spread, target_of
 from harness.comparison.comparator import compare
 from harness.comparison.scores import errors
 from harness.engines.analytic import by_other_impact

@@ -22,8 +22,7 @@ from analytic.excitation import SampledAcceleration
 from analytic.solution import LEFT_BY, OUTCOMES, peak_is_ahead
 from analytic.sweep import CertifiedRows, certify_rows
 from harness import engines
-from harness.accuracy.refinement import first_level
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, first_level
 from harness.engines import analytic as twoblock
 from harness.engines.base import RELIABLE_RAD, own_settings
 from harness.model import NUMBERS, BaseExcitation, Outcome, column_of, to_plain

@@ -21,7 +21,7 @@ import numpy as np
 
 from harness import engines
 from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.engines.base import EngineFailure
 from harness.engines.stepping.loop import refuse_steering
 from harness.input.tables import plain

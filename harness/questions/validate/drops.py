@@ -15,7 +15,7 @@ from scipy.stats import norm
 from scipy.stats.qmc import LatinHypercube
 
 from harness import engines
-from harness.accuracy.simulation import simulate_with
+from harness.accuracy.refinement import simulate_with
 from harness.model import Answer, Array, Contact, Finding, Pose, RunOptions, Scene, caution, info, require
 from harness.questions.validate.jobs import Model
 from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple
 from pydantic import JsonValue
 
 from harness import engines
-from harness.accuracy.simulation import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, check_target, simulate
 from harness.model import Outcome, RunOptions, grouped, require
 from harness.model import run as record
 from harness.questions.validate.scenes import SHIFT_M, TrialVariant, digest_of, motion_of, scene_of

@@ -11,7 +11,7 @@ import numpy as np
 
 from analytic.excitation import ZeroExcitation
 from harness import engines
-from harness.accuracy.simulation import RunTarget
+from harness.accuracy.refinement import RunTarget
 from harness.input.files import decimals, decoded, read_bytes
 from harness.input.scene_file import load_scene
 from harness.model import Array, BaseExcitation, Contact, Initial, Mistake, Pose, Scene, refuse, require

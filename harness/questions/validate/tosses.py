@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from analytic import spatial
 from analytic.block import rotation_matrices
 from harness import engines
-from harness.accuracy.simulation import simulate_with
+from harness.accuracy.refinement import simulate_with
 from harness.model import (
     Answer,
     Array,

@@ -10,9 +10,8 @@ import pytest
 from analytic.excitation import Harmonic
 from harness import History, Outcome, engines, load_scene, simulate
 from harness.accuracy import refinement
-from harness.accuracy.horizon import hopeless, outgrown_s
-from harness.accuracy.refinement import run_to_accuracy
-from harness.accuracy.spread import NONE, SAFETY, Error, Spread, spread, target_of
+from harness.accuracy.horizon import outgrown_s
+from harness.accuracy.refinement import NONE, SAFETY, Error, Spread, hopeless, run_to_accuracy, spread, target_of
 from harness.comparison.scores import errors
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.engines.pybullet.adapter import Bullet3D

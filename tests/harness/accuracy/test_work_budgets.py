@@ -95,7 +95,7 @@ HEAVY = {"pybullet", "pymunk", "numba", "llvmlite", "trimesh", "scipy", "matplot
 NEEDED = {"pymunk": {"pymunk", "llvmlite"}, "pybullet": {"pybullet", "scipy", "llvmlite"}, "analytic": {"llvmlite"}}
 """Those of them that a run of one engine needs: over still ground its end is asked of the model's own rule."""
 RUN = """
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 simulate(scene_of("short", {{"duration_s": 0.1, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "{name}")
 """

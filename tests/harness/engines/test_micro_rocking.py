@@ -12,7 +12,7 @@ from harness.comparison.scores import error_rad
 from harness.engines.base import Engine
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
-from harness.engines.stepping.contact_gaps import ContactGaps
+from harness.engines.stepping.step_state import ContactGaps
 from tests import budgets_engines as budget
 from tests.engines_for_tests import NOTHING_SKIPPED, exact, ready, run
 from tests.measures.micro_rocking import rows

@@ -11,7 +11,7 @@ import pytest
 from harness import RunOptions
 from harness.comparison.scores import error_rad, errors
 from harness.engines.base import Engine
-from harness.engines.stepping.coulomb import followed
+from harness.engines.stepping.support import followed
 from harness.model import Contact, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import exact, ready, run

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from analytic import Harmonic
 from harness import InputError, Outcome, Run, RunOptions, assess, engines, load_scene
-from harness.accuracy.simulation import RunTarget, simulate_with
+from harness.accuracy.refinement import RunTarget, simulate_with
 from harness.engines.base import Engine
 from harness.model import BaseExcitation, Contact, Initial, Pose, Scene, Uncertain
 from harness.questions.assess.probability import assess_models

@@ -130,7 +130,7 @@ def test_engines_that_are_not_imported_change_no_bit() -> None:
     code = """
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
 from harness.engines import REGISTRY, load
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 {first}
 run = simulate(scene_of("short", {{"duration_s": 0.5, "statue": COLUMN, "motion": harmonic(0.3, 2.0)}}), "pymunk", dt_s=1e-3)
 print(run.steps, run.history.theta_rad.tobytes().hex())

@@ -13,7 +13,7 @@ from harness import Outcome, RunOptions
 from harness.accuracy.horizon import unseen_tipping_s
 from harness.accuracy.refinement import run_to_accuracy
 from harness.comparison.scores import error_rad
-from harness.engines.stepping.step_log import STANDS_RAD, base_velocity
+from harness.engines.stepping.trajectory import STANDS_RAD, base_velocity
 from harness.model import BaseExcitation, Pedestal, support_m
 from tests import budgets_engines as budget
 from tests.doubles import codes

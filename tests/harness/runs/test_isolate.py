@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness import Outcome
-from harness.accuracy.simulation import RunTarget
+from harness.accuracy.refinement import RunTarget
 from harness.runs.runner import Crash, Hung
 from harness.runs.task import call, simulate_isolated
 from tests.engines_for_tests import run

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, SampledAcceleration
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.model import SKIPS, RunOptions
 from harness.statics.plan import first_motion_s, limit_of_rest_m_s2
 from harness.statics.standstill import push_of, resting_polygon_m

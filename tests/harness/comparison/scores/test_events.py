@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.comparison import scores
 from harness.model import Statue
 from tests import doubles

@@ -10,9 +10,10 @@ import pytest
 from analytic.closed_form import rolling_cylinder
 from harness import Outcome
 from harness.engines import load
-from harness.engines.pybullet import feet, pose, run_phases, shapes
-from harness.engines.pybullet.feet import EdgeWatch
-from harness.engines.stepping.frame import matrices
+from harness.engines.pybullet import run_phases
+from harness.engines.pybullet import statue as body
+from harness.engines.pybullet.statue import EdgeWatch
+from harness.engines.stepping.trajectory import matrices
 from harness.input.mesh_statue import statue_of
 from harness.model import Statue
 from meshes.solid import Solid, solid_from_mesh
@@ -45,13 +46,13 @@ def raised(solid: Solid, height_m: float) -> Statue:
 
 
 def test_feet_are_the_meshes_own_base_vertices() -> None:
-    found = feet.touchable(statue_of(figure()), 0.5)
+    found = body.touchable(statue_of(figure()), 0.5)
     for corner in figure().footprint_m:
         assert np.min(np.linalg.norm(found - corner, axis=1)) == 0.0
     assert np.all(found[:, 2] == 0.0)
     # Every direction of a fall has the hull's own support point among the vertices kept for it.
-    every = feet.touchable(statue_of(figure()))
-    hull = feet.hull_vertices(statue_of(figure()))
+    every = body.touchable(statue_of(figure()))
+    hull = body.hull_vertices(statue_of(figure()))
     generator = np.random.default_rng(1)
     lean, azimuth = generator.uniform(0.0, 1.5, 500), generator.uniform(0.0, 2.0 * math.pi, 500)
     down = np.column_stack([np.sin(lean) * np.cos(azimuth), np.sin(lean) * np.sin(azimuth), -np.cos(lean)])
@@ -75,7 +76,7 @@ def test_inertia_is_the_meshes_not_bullets() -> None:
     from harness.engines.pybullet.world import World
 
     case = replace(paestum(pedestal=False), statue=statue_of(figure()))
-    setup = pose.prepare(case)
+    setup = body.prepare(case)
     tensor = setup.axes @ np.diag(setup.moments) @ setup.axes.T
     np.testing.assert_allclose(tensor, figure().inertia_kg_m2, rtol=1e-12, atol=1e-9)
     level = load("pybullet").settings_for_dt(case, 1e-3)
@@ -91,7 +92,7 @@ def test_a_compound_too_large_for_one_call_is_refused() -> None:
     from harness.engines.base import EngineFailure
 
     with pytest.raises(EngineFailure, match="17 spheres"):
-        shapes.feet(np.zeros((17, 3)), 1e-5, 0)
+        body.compound(np.zeros((17, 3)), 1e-5, 0)
 
 
 def test_a_bent_base_starts_on_the_face_that_carries_it() -> None:
@@ -99,7 +100,7 @@ def test_a_bent_base_starts_on_the_face_that_carries_it() -> None:
     base = vertices[:, 2] == 0.0
     vertices[base & (vertices[:, 0] > 0.0), 2] += 2e-3
     statue = statue_of(replace(figure(), vertices_m=vertices))
-    rest = feet.rest(statue)
+    rest = body.rest_of(statue)
     # It stands on the raised right edge and on the last row of base vertices left of the centroid.
     lean = 2e-3 / (statue.corner_right_m - np.max(vertices[base & (vertices[:, 0] <= 0.0), 0]))
     assert rest.stable
@@ -117,11 +118,11 @@ def test_rolling_on_the_rim() -> None:
     solid = prism(256, radius, half)
     closed = rolling_cylinder(radius, half, tilt, gravity_m_s2=GRAVITY_M_S2)
     case = scene(statue_of(solid), duration_s=0.5)
-    setup = pose.prepare(case)
-    turned = pose.about_y(tilt)
+    setup = body.prepare(case)
+    turned = body.about_y(tilt)
     lowest = float(np.min((setup.feet_m @ setup.axes.T @ turned.T)[:, 2]))
     spin = turned @ np.array([-closed.precession_rad_s * math.sin(tilt), 0.0, closed.axial_rad_s])
-    start = (0.0, 0.0, -lowest, *pose.quaternion(turned @ setup.axes), 0.0, 0.0, 0.0, *spin.tolist())
+    start = (0.0, 0.0, -lowest, *body.quaternion(turned @ setup.axes), 0.0, 0.0, 0.0, *spin.tolist())
     level = load("pybullet").settings_for_dt(case, 2.5e-4)
     found = run_phases.run(case, level, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
     up = (matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]
@@ -133,7 +134,7 @@ def test_rolling_on_the_rim() -> None:
 
 def test_the_edge_is_watched() -> None:
     block = PAESTUM
-    corners = feet.hull_vertices(block) - np.array([0.0, 0.0, block.centroid_height_m])
+    corners = body.hull_vertices(block) - np.array([0.0, 0.0, block.centroid_height_m])
     watch = EdgeWatch(corners, (0.30, 0.40, 0.10))
     level = (0.0, 0.0, 0.0, 1.0)
     pedestal = (block.base_centre_m, 0.0, 0.1, *level)

@@ -12,9 +12,8 @@ from scipy.spatial import ConvexHull
 
 from analytic.excitation import Harmonic
 from harness.engines import load
-from harness.engines.pybullet import feet, pose
-from harness.engines.pybullet.feet import DEPTH_M, EdgeCrossing
-from harness.engines.pybullet.shapes import HULL_INSET_M, HULL_VERTICES, MARGIN_M, full_shape
+from harness.engines.pybullet import statue as body
+from harness.engines.pybullet.statue import DEPTH_M, HULL_INSET_M, HULL_VERTICES, MARGIN_M, EdgeCrossing, full_shape
 from harness.engines.pybullet.world import World
 from harness.input.mesh_statue import statue_of
 from harness.input.scene_file import load_scene
@@ -67,7 +66,7 @@ def touching_from(case: Scene, kind: str) -> float:
     """
     import pybullet
 
-    setup, statue = pose.prepare(case), case.statue
+    setup, statue = body.prepare(case), case.statue
     level = load("pybullet").settings_for_dt(case, 1e-3)
     bodies = full_shape(case, kind).turned(statue, setup.axes)  # type: ignore[arg-type]
     corner = np.array([statue.corner_right_m, 0.0, 0.0 if case.pedestal is None else case.pedestal.height_m])
@@ -80,9 +79,9 @@ def touching_from(case: Scene, kind: str) -> float:
         other = world.wall if world.wall is not None else world.pedestal
         while high - low > 1e-5:
             middle = 0.5 * (low + high)
-            turn = pose.about_y(middle)
+            turn = body.about_y(middle)
             still = (0.0, 0.0, 0.0)
-            world.place(world.statue, (*(corner + turn @ arm), *pose.quaternion(turn @ setup.axes), *still, *still))
+            world.place(world.statue, (*(corner + turn @ arm), *body.quaternion(turn @ setup.axes), *still, *still))
             pybullet.performCollisionDetection(world.client)
             found = pybullet.getContactPoints(world.statue, other, physicsClientId=world.client)
             met = any(item[8] < 0.0 and abs(item[5][0] - corner[0]) > BESIDE_M for item in found)
@@ -221,7 +220,7 @@ def _planes(points_m: Array) -> Array:
 
 def test_the_hull_keeps_to_its_budget() -> None:
     still = load_scene(Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml")
-    corners = feet.hull_vertices(still.statue)
+    corners = body.hull_vertices(still.statue)
     (taken,) = full_shape(still, "hull").bodies_m
     assert len(corners) > HULL_VERTICES >= len(taken)
     # What is left out stands out by no more than the hull is drawn inside.
@@ -233,14 +232,14 @@ def test_the_full_shape_lies_inside_and_leaves_mass_and_rest_alone() -> None:
     import pybullet
 
     case = scene(figure(), pedestal=Pedestal(500.0, NARROW, 1.0, 0.6), duration_s=0.1)
-    hull = feet.hull_vertices(case.statue)
+    hull = body.hull_vertices(case.statue)
     for points in full_shape(case).bodies_m:
         assert np.all(points > hull.min(axis=0) + 1e-3)
         assert np.all(points < hull.max(axis=0) - 1e-3)
     run = bullet(case, 1e-3, NOTHING_SKIPPED)
     assert run.validity["full_shape"] == "3 convex parts"
     assert run.peak_theta_rad <= budget.PLANAR_RAD
-    setup = pose.prepare(case)
+    setup = body.prepare(case)
     level = load("pybullet").settings_for_dt(case, 1e-3)
     bodies = full_shape(case).turned(case.statue, setup.axes)
     with World(level, setup) as world:  # type: ignore[arg-type]

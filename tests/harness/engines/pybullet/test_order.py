@@ -11,11 +11,10 @@ import pytest
 from analytic.excitation import Harmonic, SampledAcceleration
 from harness import load_scene
 from harness.engines import load
-from harness.engines.pybullet import pose
-from harness.engines.pybullet.backend import BulletBackend
-from harness.engines.pybullet.world import World
-from harness.engines.stepping.frame import Schedule
+from harness.engines.pybullet import statue as body
+from harness.engines.pybullet.world import BulletBackend, World
 from harness.engines.stepping.step_state import Stepper
+from harness.engines.stepping.trajectory import Schedule
 from harness.model import BaseExcitation, Scene
 from harness.questions.bench.standard_scenes import standard_set
 from tests import budgets_engines as budget
@@ -68,7 +67,7 @@ def test_a_pedestal_that_a_blow_set_sliding_has_kinetic_friction() -> None:
 
     def solved_again(before_m_s: float) -> int:
         after_m_s = before_m_s - math.copysign(0.20 * GRAVITY_M_S2 * step_s, before_m_s)
-        with World(load("pybullet").settings_for_dt(on, step_s), pose.prepare(on)) as world:
+        with World(load("pybullet").settings_for_dt(on, step_s), body.prepare(on)) as world:
             world.build(on)
             backend = BulletBackend(world, step_s, on.contact.statue)
             stepper = Stepper(backend, on, Schedule(on, step_s, 0, 10))

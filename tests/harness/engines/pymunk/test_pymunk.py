@@ -9,8 +9,7 @@ import pytest
 
 from analytic.excitation import Harmonic, Pulse
 from harness import Scene
-from harness.engines.pymunk import Munk2D
-from harness.engines.pymunk.plain import PlainMunk2D
+from harness.engines.pymunk import Munk2D, PlainMunk2D
 from harness.model import BaseExcitation, Pedestal
 from harness.questions.bench.standard_scenes import PEDESTAL, TWO
 from harness.questions.study.cases import BaseScene

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from harness import History, RunOptions, Scene, engines
-from harness.engines.stepping import settings
-from harness.engines.stepping.settings import EventSettings
+from harness.engines.stepping import step_state
+from harness.engines.stepping.step_state import EventSettings
 from harness.questions.bench.standard_scenes import PAESTUM, harmonic, scene_of
 from tests.engines_for_tests import ready
 from tests.measures.coverage import random_scene
@@ -22,12 +22,12 @@ from tests.scenes_for_tests import paestum
 STEP_S = 1e-3
 FIFTH = 0.2
 MODULES = {
-    "pymunk": ("pymunk", "pymunk.backend", "pymunk.support"),
-    "pybullet": ("pybullet.backend", "pybullet.world"),
-    "pymunk:plain": ("pymunk.plain", "stepping.coulomb"),
-    "pybullet:plain": ("pybullet.plain", "stepping.coulomb"),
+    "pymunk": ("pymunk", "pymunk.backend"),
+    "pybullet": ("pybullet.world",),
+    "pymunk:plain": ("pymunk", "stepping.support"),
+    "pybullet:plain": ("pybullet.adapter", "stepping.support"),
 }
-IN_SPACE = ("pybullet.backend", "pybullet.world")
+IN_SPACE = ("pybullet.world",)
 """Rooms of pybullet that hold what only a motion out of the plane passes, too."""
 LOCATING = ("pymunk", "pybullet")
 """Engines in which events are located."""
@@ -111,9 +111,9 @@ def test_a_fifth_more_or_less_of_what_locates_events_moves_no_result_by_its_erro
 ) -> None:
     own = unchanged(name)
     for number in NUMBERS:
-        for value in changed(number, getattr(settings.EVENTS, number)):
+        for value in changed(number, getattr(step_state.EVENTS, number)):
             with monkeypatch.context() as patch:
-                patch.setattr(settings, "EVENTS", replace(settings.EVENTS, **{number: value}))
+                patch.setattr(step_state, "EVENTS", replace(step_state.EVENTS, **{number: value}))
                 assert_moves_little(name, own, f"{number} = {value:g}")
 
 
@@ -157,9 +157,9 @@ def test_a_fifth_more_or_less_of_a_level_s_numbers_does_neither(name: str) -> No
 
 def test_the_numbers_are_found_and_reach_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert {"short_steps", "near", "unsolved"} <= set(NUMBERS)
-    assert {"HELD_SHARE", "RISES"} <= set(constants(import_module("harness.engines.pymunk.support")))
+    assert {"HELD_SHARE", "RISES"} <= set(constants(import_module("harness.engines.pymunk.backend")))
     own = unchanged("pymunk")
-    monkeypatch.setattr(settings, "EVENTS", replace(settings.EVENTS, most_jumps=0))
+    monkeypatch.setattr(step_state, "EVENTS", replace(step_state.EVENTS, most_jumps=0))
     with pytest.raises(AssertionError, match="moves"):
         assert_moves_little("pymunk", own, "no event located")
 

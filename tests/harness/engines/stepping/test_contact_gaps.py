@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.engines.stepping.contact_gaps import MANY, ContactGaps
+from harness.engines.stepping.step_state import MANY, ContactGaps
 from tests.scenes_for_tests import paestum
 
 COUNT = 2 * MANY + 2

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from harness.engines.stepping.columns import Trajectory, _synchronous
 from harness.engines.stepping.support import LEFT_M, LEFT_RAD, Corners, plain_spells
+from harness.engines.stepping.trajectory import Trajectory, _synchronous
 from harness.model import Pedestal
 
 TIMES = np.linspace(0.0, 1.0, 11)

@@ -8,9 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic.excitation import Harmonic
-from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import Report, reduce_trajectory
+from harness.engines.stepping.trajectory import Trajectory, statue_columns
 from harness.model import Array, BaseExcitation, Outcome, Pedestal, Run, Scene, Statue, Wall
 from tests import budgets_engines as budget
 from tests.scenes_for_tests import rectangle, scene

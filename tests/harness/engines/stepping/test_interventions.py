@@ -9,8 +9,8 @@ import pytest
 
 from harness import Run, RunOptions, Scene, engines
 from harness.engines.base import LayerFault
-from harness.engines.stepping.step_log import Account, Ledger
 from harness.engines.stepping.step_state import RowWriter
+from harness.engines.stepping.trajectory import Account, Ledger
 from harness.records import base
 from tests import budgets_engines as budget
 from tests.engines_for_tests import ready

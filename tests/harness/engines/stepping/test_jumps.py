@@ -8,9 +8,9 @@ import pytest
 
 from analytic.block import GRAVITY_M_S2 as G
 from analytic.excitation import Excitation, Harmonic, Pulse, Record
-from harness.accuracy.simulation import simulate
+from harness.accuracy.refinement import simulate
 from harness.comparison.scores import error_rad, errors
-from harness.engines.stepping.frame import Schedule
+from harness.engines.stepping.trajectory import Schedule
 from harness.model import BaseExcitation, Scene
 from tests import budgets_engines as budget
 from tests.engines_for_tests import exact, ready, run

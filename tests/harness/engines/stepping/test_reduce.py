@@ -10,10 +10,9 @@ from analytic.excitation import Harmonic, Pulse
 from harness import Run, RunOptions, load_scene
 from harness.engines import load
 from harness.engines.base import LayerFault
-from harness.engines.stepping import frame, reduce
-from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.frame import statue_columns
+from harness.engines.stepping import reduce
 from harness.engines.stepping.reduce import Report, last_outward, reduce_trajectory, rocking
+from harness.engines.stepping.trajectory import Trajectory, apparent_gravity, statue_columns
 from harness.model import OVERTURN_RAD, Array, BaseExcitation, Outcome, Wall
 from tests import budgets_engines as budget
 from tests.measures.seeded_scenes import wide_scene
@@ -152,7 +151,7 @@ def test_energy_that_appears_from_nothing_is_found() -> None:
 def test_gravity_of_a_step_is_exact_across_a_jump() -> None:
     on = scene(rectangle(0.2, 1.0), Pulse("rectangular", 3.0, 0.0101, 0.0052), Harmonic(2.0, 5.0), duration_s=0.1)
     edges = np.arange(101) * 1e-3
-    gravity = frame.apparent_gravity(on, edges)
+    gravity = apparent_gravity(on, edges)
     assert np.sum(gravity[:, 0]) * 1e-3 == pytest.approx(-3.0 * 0.0101, rel=1e-12)
     expected = np.diff(on.base_excitation.z.velocity_m_s(edges)) / 1e-3
     np.testing.assert_allclose(gravity[:, 2], -9.81 - expected, rtol=1e-12)

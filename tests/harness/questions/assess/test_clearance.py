@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analytic import Pulse
-from harness.engines.stepping.frame import statue_columns
+from harness.engines.stepping.trajectory import statue_columns
 from harness.model import BaseExcitation, Pedestal, Scene, Statue
 from harness.questions.assess.answer import CLEAR, answer_of, without_clearance
 from harness.questions.assess.answer import clearance as clearance_finding

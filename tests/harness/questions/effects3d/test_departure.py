@@ -59,7 +59,8 @@ def test_the_same_plane_at_any_azimuth(block: Scene) -> None:
 @needs_pybullet
 def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: Scene) -> None:
     """Under a rising push at 45° the statue lifts at 0.125 g, where it leaves the base, its planar section only at 0.39 g."""
-    from harness.engines.pybullet import pose, run_phases
+    from harness.engines.pybullet import run_phases
+    from harness.engines.pybullet import statue as body
 
     t_s = np.linspace(0.0, 2.0, 201)
     push = BaseExcitation(x=SampledAcceleration(t_s, -0.4 * 9.81 * t_s / 2.0))
@@ -69,8 +70,8 @@ def test_the_quiet_start_of_oblique_shaking_ends_where_the_base_is_left(scene: S
         )
         for azimuth in (0.0, 45.0)
     )
-    assert run_phases.quiet_start_s(straight, pose.prepare(straight)) == pytest.approx(2.0 * 0.0881 / 0.4, abs=0.01)
-    assert run_phases.quiet_start_s(oblique, pose.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
+    assert run_phases.quiet_start_s(straight, body.prepare(straight)) == pytest.approx(2.0 * 0.0881 / 0.4, abs=0.01)
+    assert run_phases.quiet_start_s(oblique, body.prepare(oblique)) == pytest.approx(2.0 * 0.1246 / 0.4, abs=0.01)
     moved = harness.simulate(
         replace(oblique, duration_s=1.0), "pybullet", dt_s=1e-3, options=RunOptions(skips=frozenset())
     )

@@ -7,9 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analytic import Harmonic, Pulse
-from harness.engines.stepping.columns import Trajectory
-from harness.engines.stepping.frame import statue_columns
 from harness.engines.stepping.reduce import moves_in_space, on_support
+from harness.engines.stepping.trajectory import Trajectory, statue_columns
 from harness.model import BaseExcitation, Pedestal
 from harness.questions.scene.scene_run import Result, run_scene
 from harness.records.run import peak_lean_rad, peak_slip_m, standing

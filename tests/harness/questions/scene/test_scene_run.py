@@ -13,7 +13,7 @@ from analytic.excitation import Harmonic
 from analytic.machine_code import Entry
 from harness import InputError, Outcome, Run, RunOptions, Scene, Verdict, engines, load_scene
 from harness.accuracy import forecast
-from harness.accuracy.simulation import RunTarget, check_target, simulate
+from harness.accuracy.refinement import RunTarget, check_target, simulate
 from harness.engines.base import Engine, EngineFailure, Settings, own_failures
 from harness.questions.scene import scene_run as run
 from harness.questions.scene import witness as confirm

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.accuracy.simulation import failed
+from harness.accuracy.refinement import failed
 from harness.model import NUMBERS, Outcome
 from harness.questions.study.study_record import cell, flat
 from harness.runs.store import PlannedRow

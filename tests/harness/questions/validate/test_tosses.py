@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from analytic.block import rotation_matrices
 from harness import History, InputError, load_scene, simulate
-from harness.engines.stepping.frame import statue_columns
+from harness.engines.stepping.trajectory import statue_columns
 from harness.model import Pose, Scene
 from harness.questions.validate.jobs import parse_model
 from harness.questions.validate.tosses import (
