@@ -8,7 +8,7 @@ import re
 import stat
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO, Final
 
@@ -67,10 +67,9 @@ def existing_file(file: str, *, base_dir: Path, where: str, key: str) -> Path:
 
 def read_files(content: Mapping[str, JsonValue], source: Path | None) -> list[Path]:
     """The existing files that a scene's content (as read from `source`) names, whatever their keys, and the scene's own."""
-    files, folder = ([], Path()) if source is None else ([source], source.parent)
-    for text in _texts(content):
-        files += [path] if is_file(path := _named(text, folder)) else []
-    return files
+    folder = Path() if source is None else source.parent
+    named = (_named(text, folder) for text in _texts(content))
+    return [*([] if source is None else [source]), *filter(is_file, named)]
 
 
 def _named(file: str, base_dir: Path) -> Path:
@@ -81,12 +80,11 @@ def _named(file: str, base_dir: Path) -> Path:
     return base_dir / os.path.expanduser(file)
 
 
-def _texts(value: object) -> Iterator[str]:
+def _texts(value: object) -> list[str]:
     if isinstance(value, str):
-        yield value
-    elif isinstance(value, (Mapping, list)):
-        for item in value.values() if isinstance(value, Mapping) else value:
-            yield from _texts(item)
+        return [value]
+    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+    return [text for item in inside for text in _texts(item)]
 
 
 # The text of one, and the numbers in it.

@@ -173,7 +173,7 @@ def resolve(
     base_excitation = _base_excitation(model, path, mistakes, found)
     statue = None
     try:
-        statue = _statue_once(model.statue, path, found, statues)
+        statue = _statue_once(model.statue, path, found, {} if statues is None else statues)
     except InputError as error:
         mistakes.extend(error.mistakes)
     if mistakes or statue is None:
@@ -326,9 +326,7 @@ def _pedestal(table: PedestalTable | None, statue: Statue, path: Path) -> Pedest
     return pedestal
 
 
-def _statue_once(table: StatueTable, path: Path, found: list[Finding], statues: Statues | None) -> Statue:
-    if statues is None:
-        return _statue(table, path, found)
+def _statue_once(table: StatueTable, path: Path, found: list[Finding], statues: Statues) -> Statue:
     text = table.model_dump_json()
     if text not in statues:
         own: list[Finding] = []
@@ -344,10 +342,8 @@ def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
         from harness.input.mesh_statue import statue_from_mesh
 
         return statue_from_mesh(table, table.mesh, path, found)
-    mass, height_c = table.mass_kg, table.centroid_height_m
-    left, right, inertia = table.corner_left_m, table.corner_right_m, table.inertia_kg_m2
-    if mass is None or height_c is None or left is None or right is None or inertia is None:
-        raise InputError(Mistake(str(path), "statue", ", ".join(tables.NUMBERS), "not all of them"))
+    # Without a mesh they are all there (`tables.checked`).
+    mass, height_c, left, right, inertia = (float(getattr(table, name)) for name in tables.NUMBERS)
     height = table.height_m
     if height is None:
         height = 2.0 * height_c

@@ -38,8 +38,8 @@ def content_of(text: str, where: str, key: str = "") -> dict[str, JsonValue]:
 
     `key` is what the whole text belongs to, "" for a file, whose own keys and lines are named.
     """
-    if (keys := text.count("=")) > MOST_KEYS:
-        raise InputError(Mistake(where, key, f"TOML of at most {MOST_KEYS} keys", str(keys)))
+    keys = text.count("=")
+    require(keys <= MOST_KEYS, where, f"TOML of at most {MOST_KEYS} keys", str(keys), key=key)
     if deep := _DEEP.search(text):
         place = key or f"line {text.count(chr(10), 0, deep.start()) + 1}"
         raise InputError(Mistake(where, place, f"keys of at most {MOST_PARTS} parts", f"{deep.group()[:40]}..."))
@@ -87,12 +87,11 @@ def plain(value: object) -> object:
 
 def replacements(overrides: Overrides, keywords: Mapping[str, object] = MappingProxyType({})) -> list[Replacement]:
     """Both ways of a program to replace keys, in one list."""
-    given = [overrides] if isinstance(overrides, str) else overrides
     items: list[Replacement] = []
-    if isinstance(given, Mapping):
-        items += [("overrides", key, plain(value)) for key, value in given.items()]
+    if isinstance(overrides, Mapping):
+        items += [("overrides", key, plain(value)) for key, value in overrides.items()]
     else:
-        items += given
+        items += [overrides] if isinstance(overrides, str) else overrides
     return [*items, *((f"keyword {key}", key.replace(DOT, "."), plain(value)) for key, value in keywords.items())]
 
 
@@ -301,12 +300,8 @@ def _number(model: BaseModel, key: str) -> float | None:
     """The number at a dotted key of a validated scene, None where there is none."""
     place: Any = model
     for part in key.split("."):
-        if isinstance(place, Mapping):
-            place = place.get(part)
-        elif isinstance(place, BaseModel) and part in type(place).model_fields:
-            place = getattr(place, part)
-        else:
-            return None
+        table = vars(place) if isinstance(place, BaseModel) else place
+        place = table.get(part) if isinstance(table, Mapping) else None
     return float(place) if isinstance(place, (int, float)) and not isinstance(place, bool) else None
 
 

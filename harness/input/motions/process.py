@@ -18,7 +18,6 @@ from harness.input.motions.recordfile import (
     Series,
     at_rest,
     ends,
-    mistake,
 )
 from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, exact_step, peak_velocity_m_s
@@ -199,20 +198,23 @@ def clock_of(
     forward = largest is None and bool((steps >= 0.0).all())
     if forward and (even := _of_rounded(t_s)):
         return even
-    if forward and steps.max() > GAP_STEPS * dt_s:
-        row = int(np.argmax(steps)) + 1
-        got = f"a gap of {steps[row - 1]:g} s from {t_s[row - 1]:g} s"
-        raise mistake(where, place(row), f"a step of about {dt_s:g} s", got, "cut the record there or fill it")
-    if (steps <= 0.0).any():
-        row = int(np.flatnonzero(steps <= 0.0)[0]) + 1
-        got = f"{t_s[row]:g} s after {t_s[row - 1]:g} s"
-        raise mistake(
-            where,
-            place(row),
-            "increasing times",
-            got,
-            "sort the rows, drop doubled ones, or print the times with more digits",
-        )
+    longest, late = int(np.argmax(steps)), int(np.argmax(steps <= 0.0))
+    require(
+        not forward or steps[longest] <= GAP_STEPS * dt_s,
+        where,
+        f"a step of about {dt_s:g} s",
+        f"a gap of {steps[longest]:g} s from {t_s[longest]:g} s",
+        "cut the record there or fill it",
+        key=place(longest + 1),
+    )
+    require(
+        steps[late] > 0.0,
+        where,
+        "increasing times",
+        f"{t_s[late + 1]:g} s after {t_s[late]:g} s",
+        "sort the rows, drop doubled ones, or print the times with more digits",
+        key=place(late + 1),
+    )
     fine = _common_step(t_s)
     if fine is None:
         fine = float(steps.min()) if largest is None else 0.5 * dt_s
@@ -228,9 +230,8 @@ def clock_of(
         "cut the record",
     )
     count = int((end_s - start_s) / fine + 1e-6) + 1
-    at_s = float(t_s[np.argmax(steps)])
     least_s, most_s = float(steps.min()), float(steps.max())
-    said = caution("record_times_uneven", least_s=least_s, most_s=most_s, at_s=at_s, dt_s=fine)
+    said = caution("record_times_uneven", least_s=least_s, most_s=most_s, at_s=float(t_s[longest]), dt_s=fine)
     return SampleClock(start_s, fine, count, t_s, (*doubled, said))
 
 

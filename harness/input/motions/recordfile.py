@@ -232,11 +232,6 @@ class RecordFile:
     findings: tuple[Finding, ...] = ()
 
     @property
-    def tested(self) -> bool:
-        """Whether this format's reader has been tried on files as its network publishes them."""
-        return FORMATS.get(self.format, True)
-
-    @property
     def horizontals(self) -> tuple[Channel, ...]:
         """Channels known to be horizontal, with their azimuths."""
         return tuple(channel for channel in self.channels if channel.orientation.azimuth_deg is not None)
@@ -259,11 +254,6 @@ class Layout:
     skip_lines: int | None = None
     columns: str | None = None
     time_column: int | None = None
-
-    @property
-    def given(self) -> bool:
-        """Whether anything is said."""
-        return self != Layout()
 
     def options(self) -> str:
         """The same as options of `rockcheck motion inspect`."""
@@ -583,7 +573,7 @@ def check(record: RecordFile) -> tuple[Finding, ...]:
         for channel in record.channels
         for found in _channel(channel, record)
     ]
-    if not record.tested:
+    if not FORMATS.get(record.format, True):
         doubts.append(caution("record_reader_untested", format=record.format))
     return tuple(doubts)
 

@@ -70,7 +70,7 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
     if seed.is_binary(raw):
         return seed.read(raw, where, unit=named)
     text = text_of(raw, where)
-    if layout is not None and layout.given:
+    if layout is not None and layout != Layout():
         described = table.described(text, where, unit=named, layout=layout)
         _check_end(text, where)
         return described
@@ -192,23 +192,16 @@ def _read_sisters(record: RecordFile, path: Path) -> tuple[list[RecordFile], lis
 
 def _sisters(path: Path, endings: str | None) -> list[Path]:
     """Files beside this one, sorted, whose names differ in their middle only, or in one of their network's `endings`."""
-    sisters: list[Path] = []
-    try:
-        beside = sorted(path.parent.iterdir())
-    except OSError:  # a folder that may be entered but not listed: the file itself was read
-        beside = []
-    for other in beside:
-        if other == path or not other.is_file():
-            continue
+
+    def is_sister(other: Path) -> bool:
         if endings and re.fullmatch(endings, other.suffix, re.IGNORECASE):
-            if other.stem == path.stem:
-                sisters.append(other)
-        elif other.suffix == path.suffix:
-            same = _alike(path.stem, other.stem)
-            same += _alike(path.stem[same:][::-1], other.stem[same:][::-1])
-            if same >= _ALIKE * max(len(path.stem), len(other.stem)):
-                sisters.append(other)
-    return sisters
+            return other.stem == path.stem
+        same = _alike(path.stem, other.stem)
+        same += _alike(path.stem[same:][::-1], other.stem[same:][::-1])
+        return other.suffix == path.suffix and same >= _ALIKE * max(len(path.stem), len(other.stem))
+
+    # Of a folder that may be entered but not listed it gives none: the file itself was read.
+    return [other for other in sorted(path.parent.glob("*")) if other != path and other.is_file() and is_sister(other)]
 
 
 def _alike(one: str, other: str) -> int:

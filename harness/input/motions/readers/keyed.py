@@ -37,19 +37,13 @@ _ACCELERATION = re.compile(r"ACCEL.*UNITS?\s+OF\s+G\b", re.IGNORECASE)
 _AT2_HEADER_LINES = 4
 
 
-def _points(line: str) -> tuple[str, str] | None:
-    """Number of points and step, as they are written."""
-    match = _NPTS_DT.search(line) or _NPTS_DT_OLD.search(line)
-    return (match.group(1), match.group(2)) if match else None
-
-
 def at2(lines: list[str], where: str) -> RecordFile:
     """The one channel of an AT2 file; InputError where values are missing or are no accelerations in g."""
-    points = required(
-        _points(lines[3]), where, "NPTS= …, DT= … with a positive step", repr(lines[3].strip()), key="line 4"
-    )
-    count = header_count(points[0], where, "line 4", "NPTS")
-    dt_s = header_number(points[1], where, "line 4", "DT in seconds")
+    points = _NPTS_DT.search(lines[3]) or _NPTS_DT_OLD.search(lines[3])
+    wanted, got = "NPTS= …, DT= … with a positive step", repr(lines[3].strip())
+    number, step = required(points, where, wanted, got, key="line 4").groups()
+    count = header_count(number, where, "line 4", "NPTS")
+    dt_s = header_number(step, where, "line 4", "DT in seconds")
     require(
         _ACCELERATION.search(lines[2]),
         where,

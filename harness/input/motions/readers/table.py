@@ -193,8 +193,8 @@ def _numbers(line: str, where: str, number: int, *, dates: bool = False, words: 
     if all(known) or not any(known):
         return free_format([" ".join(cells)], where=where, first_line=number)
     numbers = free_format([" ".join(np.array(cells)[known])], where=where, first_line=number)
-    if numbers.size != sum(known):
-        raise mistake(where, f"line {number}", f"{sum(known)} numbers beside its words or dates", str(numbers.size))
+    wanted = f"{sum(known)} numbers beside its words or dates"
+    require(numbers.size == sum(known), where, wanted, str(numbers.size), key=f"line {number}")
     values = np.full(len(cells), np.nan)
     values[known] = numbers
     return values
@@ -226,10 +226,15 @@ def _rows(lines: Sequence[str], skip: int, where: str, *, other: bool) -> tuple[
 
 def _even_rows(rows: list[Floats], places: list[int], where: str) -> Floats:
     width = rows[0].size
-    for row, place in zip(rows, places, strict=True):
-        if row.size != width:
-            advice = f"say --columns {WHOLE} where the numbers of one channel run on from line to line"
-            raise mistake(where, f"line {place}", f"{width} columns, as the first line has", str(row.size), advice)
+    odd = next((i for i, row in enumerate(rows) if row.size != width), 0)
+    require(
+        rows[odd].size == width,
+        where,
+        f"{width} columns, as the first line has",
+        str(rows[odd].size),
+        f"say --columns {WHOLE} where the numbers of one channel run on from line to line",
+        key=f"line {places[odd]}",
+    )
     return np.array(rows)
 
 
@@ -691,11 +696,14 @@ def _commented(every: list[tuple[int, str]], first: int, count: int) -> tuple[st
 
 def _time_column(headers: Sequence[str], words: Collection[str], table: NDArray[np.float64], where: str) -> int:
     named = [i for i, header in enumerate(headers) if _TIME.match(header) and header not in words]
-    if named:
-        return named[0]
-    advice = "name the column of times t_s"
-    if headers[0] == "1" and len(headers) > 1:
-        if not (np.diff(table[:, 0]) == 1.0).all():
-            return 0
-        raise mistake(where, "column 1", "a column of times", "the samples' numbers, in steps of one", advice)
-    raise mistake(where, "", "a column of times", f"the columns {', '.join(headers)}", advice)
+    unnamed = headers[0] == "1" and len(headers) > 1
+    counts = unnamed and bool((np.diff(table[:, 0]) == 1.0).all())
+    require(
+        named or (unnamed and not counts),
+        where,
+        "a column of times",
+        "the samples' numbers, in steps of one" if counts else f"the columns {', '.join(headers)}",
+        "name the column of times t_s",
+        key="column 1" if counts else "",
+    )
+    return named[0] if named else 0
