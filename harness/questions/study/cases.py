@@ -21,8 +21,7 @@ from analytic.sweep import Body, body_of
 from harness.input import scene_file as load
 from harness.input import tables
 from harness.input.mistakes import UserTable, agree, mistakes_of
-from harness.input.motions import SceneMotion, prepare
-from harness.input.motions.spec import Motion
+from harness.input.motions import Motion, SceneMotion, prepare
 from harness.input.tables import SceneFile, read_model
 from harness.model import BaseExcitation, InputError, Mistake, Scene, grouped
 from harness.model import two_block as twoblock

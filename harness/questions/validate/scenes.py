@@ -18,8 +18,7 @@ from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
 from harness.input import scene_file as load
 from harness.input.files import decimals, decoded, read_bytes
 from harness.input.mesh_statue import statue_of
-from harness.input.motions import SceneMotion, prepare
-from harness.input.motions.spec import RecordSpec
+from harness.input.motions import RecordSpec, SceneMotion, prepare
 from harness.model import (
     Array,
     BaseExcitation,
