@@ -192,8 +192,7 @@ def compared_scenes(
     files: Sequence[Path], asked: EngineOptions, target: TargetOptions, *, quiet: bool, iso: bool, horizon: bool
 ) -> tuple[dict[str, Scores], dict[str, SetScores]]:
     """The scores of engines by pair (and scene), and of several scenes each model's against a reference over all of them."""
-    from harness.questions.study.case_blocks import KeyedRow
-    from harness.questions.study.study_record import score_sets
+    from harness.questions.study.study_record import KeyedRow, score_sets
     from harness.records.study import CaseRun
     from harness.runs.task import answer_of
 

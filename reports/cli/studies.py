@@ -52,7 +52,7 @@ from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOpt
 
 QUESTIONS: Final = {
     "rocking_spectrum": "harness.questions.study.rocking_spectrum",
-    "effects3d": "harness.questions.effects3d.study",
+    "effects3d": "harness.questions.effects3d",
 }
 """By the kind that a file names the module that answers it: `run_file`, and `REFUSES`: by option what it wants instead."""
 

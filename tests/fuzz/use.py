@@ -29,14 +29,13 @@ from harness.input.motions.readers import read_record
 from harness.input.tables import read_model
 from harness.model import history_file, write_json
 from harness.questions.bench.standard_scenes import COLUMN, harmonic, scene_of
-from harness.questions.effects3d.search import changed_scene
-from harness.questions.effects3d.study import EffectsFile
+from harness.questions.effects3d import EffectsFile, changed_scene
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.questions.study.cases import base_of, base_of_scene, expand, load_study
 from harness.questions.trust import Plane, Points, engines_of, trust_map
 from harness.questions.validate import scenes as test_scenes
 from harness.questions.validate.drops import read_drops
-from harness.questions.validate.table import read_table
+from harness.questions.validate.scenes import read_table
 from harness.questions.validate.tosses import read_tosses
 from harness.records.base import write_whole
 from harness.runs.execute import Campaign

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import Run, RunOptions, Scene, engines
-from harness.questions.bench.hard_scenes import holds_until_s, solution
+from harness.questions.bench.bench_run import BUDGET_S, REPEATS, costing
 from harness.questions.bench.parts import costs, timed
-from harness.questions.bench.precision import BUDGET_S, REPEATS, costing
 from harness.questions.bench.standard_scenes import Standard, resolved, scene_of, standard_set
-from harness.questions.bench.stress_run import difficulties
+from harness.questions.bench.stress_run import difficulties, holds_until_s, solution
 from harness.records.bench import PrecisionRow
 
 Array = NDArray[np.float64]

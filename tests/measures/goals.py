@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from harness.questions.bench.precision import fastest
+from harness.questions.bench.bench_run import fastest
 from harness.records.base import validated
 from harness.records.bench import TOGETHER, BenchRecord
 from tests.measures.analytic_model import SolverRow

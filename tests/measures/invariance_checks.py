@@ -19,9 +19,9 @@ from harness import Run, RunOptions, engines
 from harness.comparison.scores import error_rad
 from harness.engines.base import Engine, Settings
 from harness.model import BaseExcitation, Scene
-from harness.questions.bench import hard_scenes
-from harness.questions.bench.hard_scenes import ALL, CONTACT, leaning, solution
+from harness.questions.bench import stress_run
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.questions.bench.stress_run import ALL, CONTACT, leaning, solution
 from harness.records.bench import HardRow, Measure
 
 HOLDS: Final = "holds"
@@ -51,7 +51,7 @@ FORCED: Final = {"duration_s": 1.0, "statue": PAESTUM, "pedestal": PEDESTAL, "mo
 
 
 def _row(name: str, answers: Mapping[str, Sequence[Measure]]) -> HardRow:
-    got = {engine: HOLDS if hard_scenes.all_hold(measured) else "wrong" for engine, measured in answers.items()}
+    got = {engine: HOLDS if stress_run.all_hold(measured) else "wrong" for engine, measured in answers.items()}
     return HardRow(name, HOLDS, got, all(each == HOLDS for each in got.values()), answers)
 
 
@@ -87,7 +87,7 @@ def _mirrored() -> HardRow:
         apart = _apart(_run(engine, scene), _run(engine, image), -1.0)
         # A contact engine visits contacts in the order of creation, which the mirror does not swap: its own error is left.
         allowed = 0.0 if engine.capabilities.certifies else _settings(engine, scene).expected_error_rad
-        answers[engine.name] = [hard_scenes.within("apart_rad", apart, allowed)]
+        answers[engine.name] = [stress_run.within("apart_rad", apart, allowed)]
     return _row("mirrored input, mirrored output", answers)
 
 
@@ -117,7 +117,7 @@ def _permuted() -> HardRow:
         flag = "pedestal_first" if "pedestal_first" in plain else "reversed_bodies"
         other: Settings = replace(settings, **{flag: not plain[flag]})
         apart = _apart(engine.simulate(scene, settings, SAME), engine.simulate(scene, other, SAME))
-        answers[engine.name] = [hard_scenes.within("apart_rad", apart, PERMUTED_RAD)]
+        answers[engine.name] = [stress_run.within("apart_rad", apart, PERMUTED_RAD)]
     return _row("bodies in the other order", answers)
 
 
@@ -150,14 +150,14 @@ def _touched() -> HardRow:
                 Measure("impacts", run.work["impacts"] == count, run.work["impacts"], count, side)
                 for count, (side, (_, run)) in enumerate(sides.items())
             ),
-            hard_scenes.within("apart_rad", _apart(sides["missed"][1], sides["touched"][1]), TOUCH_APART_RAD),
+            stress_run.within("apart_rad", _apart(sides["missed"][1], sides["touched"][1]), TOUCH_APART_RAD),
         ]
     }
     for engine in _here(CONTACT):
         answers[engine.name] = [
             replace(each, case=side)
             for side, (scene, truth) in sides.items()
-            for each in hard_scenes.agrees(scene, _run(engine, scene), truth)
+            for each in stress_run.agrees(scene, _run(engine, scene), truth)
         ]
     return _row("an impact touched and missed by a billionth of a second", answers)
 
@@ -174,7 +174,7 @@ def _far() -> HardRow:
     for engine in _here(CONTACT):
         run = _run(engine, scene, 1e-3)
         falls = Measure("overturns", run.outcome is truth.outcome and run.outcome.overturned)
-        answers[engine.name] = [falls, *hard_scenes.agrees(scene, run, truth), *hard_scenes.energy(scene, run)]
+        answers[engine.name] = [falls, *stress_run.agrees(scene, run, truth), *stress_run.energy(scene, run)]
     return _row("rocking and overturning 1 km from the origin", answers)
 
 
@@ -197,7 +197,7 @@ def _hulls() -> HardRow:
                 peaks[engine.name].append(_run(engine, scene).peak_theta_rad)
     for name, values in peaks.items():
         spread = float(np.ptp(values)) / max(abs(values[0]), 1e-12)
-        answers[name] = [hard_scenes.within("peaks_apart", spread, HULL_RAD)]
+        answers[name] = [stress_run.within("peaks_apart", spread, HULL_RAD)]
     return _row("hulls of 8 to 10 000 vertices", answers)
 
 

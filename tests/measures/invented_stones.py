@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 
 from harness import RunOptions, simulate
 from harness.comparison.statistics import reliability
-from harness.questions.validate import fit
-from harness.questions.validate.scenes import TrialVariant, scene_of
-from harness.questions.validate.table import Inputs, Trial, read_table
+from harness.questions.validate import scoring as fit
+from harness.questions.validate.scenes import Inputs, Trial, TrialVariant, read_table, scene_of
 from tests.harness.questions.validate.experiments import validate, write_table
 from tests.measures.pages import renew, table
 

@@ -15,7 +15,7 @@ from harness import Scene, engines
 from harness.accuracy.refinement import run_to_accuracy
 from harness.engines.base import Engine
 from harness.model import SKIPS, Run, RunOptions
-from harness.questions.bench.skips import difference
+from harness.questions.bench.bench_run import difference
 from tests.measures.pages import renew, table
 from tests.measures.seeded_scenes import random_scene
 

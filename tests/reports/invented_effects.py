@@ -6,8 +6,7 @@ from typing import Literal
 
 import harness
 from harness.model import Outcome, machine, versions, write_json
-from harness.questions.effects3d.search import turned
-from harness.questions.effects3d.study import answer_of, effects, findings_of, static_rose
+from harness.questions.effects3d import answer_of, effects, findings_of, static_rose, turned
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import as_file
 from harness.records.effects3d import (

@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
-from harness.model import Say, require
-from harness.model import run as record
+from harness.model import Say, machine, require, to_plain, versions
 from harness.records import base
 from harness.records.base import check_folder, full_kind, write_whole
 from harness.records.bench import BenchRecord, PartRow, StressRecord
@@ -23,8 +22,6 @@ from harness.runs.runner import Crash, InlinePool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store
 from harness.runs.task import Task, TaskResult, key_of
 
-Row = dict[str, Any]
-"""A row that has no class of its own."""
 Work = Callable[[str], Sequence[object]]
 R = TypeVar("R", BenchRecord, StressRecord)
 PACKAGES: Final = ("analytic", "meshes", "harness")
@@ -75,7 +72,7 @@ class Measurement(Generic[R]):
 def head(command: str, spent: Sequence[PartRow]) -> dict[str, Any]:
     """What the record of every measurement says: how to repeat it, what it took, and where."""
     seconds = sum(row.wall_s for row in spent)
-    place = {"versions": record.versions(), "machine": record.machine()}
+    place = {"versions": versions(), "machine": machine()}
     return {"command": command, "parts": spent, "seconds": seconds, **place}
 
 
@@ -90,7 +87,7 @@ def source() -> str:
 
 def stamp(quick: bool) -> dict[str, object]:
     """What rows of one measurement share: the versions, source, machine and option of now."""
-    return {"versions": record.versions(), "source": source(), "machine": record.machine(), "quick": quick}
+    return {"versions": versions(), "source": source(), "machine": machine(), "quick": quick}
 
 
 def measure(
@@ -109,9 +106,7 @@ def measure(
     What was measured under another `stamp` (versions, options) is removed. Raises `InputError` for an unknown part.
     """
     chosen = _chosen(parts, only)
-    keys = {
-        part.name: {task: key_of(*record.to_plain([part.name, task, stamp])) for task in part.tasks} for part in parts
-    }
+    keys = {part.name: {task: key_of(*to_plain([part.name, task, stamp])) for task in part.tasks} for part in parts}
     folder.mkdir(parents=True, exist_ok=True)
     with Store(folder / STORE_NAME, kind) as store:
         store.remove(store.keys() - {key for of_part in keys.values() for key in of_part.values()})
@@ -160,7 +155,7 @@ def _rows(asked: tuple[Part, str]) -> TaskResult:
     """What a worker does: the rows of one task of a part."""
     part, task = asked
     begin = processor_s()
-    rows = record.to_plain(part.work(task))
+    rows = to_plain(part.work(task))
     return TaskResult(part.name, {"rows": rows}, processor_s() - begin)
 
 
@@ -171,7 +166,7 @@ def processor_s() -> float:
 
 def _died(asked: tuple[Part, str], crash: Crash) -> TaskResult:
     part, task = asked
-    return TaskResult(part.name, {"rows": record.to_plain((part.died or part.work)(task))}, 0.0)
+    return TaskResult(part.name, {"rows": to_plain((part.died or part.work)(task))}, 0.0)
 
 
 def _compute(

@@ -7,7 +7,7 @@ from typing import Any, Final, Literal, cast
 
 from harness.input.files import DATA_VARIABLE
 from harness.model import InputError, Scene
-from harness.questions.effects3d.search import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
+from harness.questions.effects3d import RAGGED_M, RAGGED_SEED, RAGGED_SPACING_M, with_solid
 from harness.questions.study.cases import BaseScene
 from harness.records.base import Table
 from meshes.survey import ragged

@@ -1,7 +1,5 @@
 """From a study file to its cases, every combination of what varies, and which of them an engine is asked."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random
@@ -9,22 +7,19 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, NamedTuple, cast
+from typing import Annotated, Any, Final, Literal, NamedTuple, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, JsonValue, ValidationError, model_validator
 
-from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
+from analytic.excitation import SampledAcceleration, ZeroExcitation
 from analytic.problem import Keywords, stated
 from analytic.sweep import Body, body_of
-from harness.input import scene_file as load
-from harness.input import tables
+from harness.input import scene_file, tables
 from harness.input.mistakes import UserTable, agree, mistakes_of
 from harness.input.motions import Motion, SceneMotion, prepare
-from harness.input.tables import SceneFile, read_model
-from harness.model import BaseExcitation, InputError, Mistake, Scene, grouped
-from harness.model import two_block as twoblock
+from harness.model import BaseExcitation, InputError, Mistake, Scene, block_of, grouped, keywords, require
 from harness.records.study import RecheckRecord, StudyRow
 
 # The study file: a base scene, what varies, which engines answer, validated strictly.
@@ -57,7 +52,7 @@ class Vary(UserTable):
     also: dict[str, Annotated[float, Field(gt=0.0)]] = Field(default_factory=dict)
 
     @model_validator(mode="after")
-    def _one_way(self) -> Vary:
+    def _one_way(self) -> Self:
         lacking = [item is None for item in (self.start, self.stop, self.count)]
         listed = self.values is not None
         logarithmic, ends = self.spacing == "log", min(self.start or 0.0, self.stop or 0.0)
@@ -94,7 +89,7 @@ class Scatter(UserTable):
     high: float | None = None
 
     @model_validator(mode="after")
-    def _bounds(self) -> Scatter:
+    def _bounds(self) -> Self:
         bounds = [each for each in (self.low, self.high) if each is not None]
         low, high = bounds if len(bounds) == 2 else (0.0, 1.0)
         relative, uniform = self.relative is not None, self.distribution == "uniform"
@@ -128,7 +123,7 @@ class Ask(UserTable):
     histories: bool = False
 
     @model_validator(mode="after")
-    def _used(self) -> Ask:
+    def _used(self) -> Self:
         for key, asking in (("margin", ("boundary",)), ("audit", ("boundary", "adaptive"))):
             used = key not in self.model_fields_set or self.cases in asking
             agree((used, key, f"cases = {' or '.join(asking)} beside it", repr(self.cases)))
@@ -174,7 +169,7 @@ class StudyFile(UserTable):
         return self.points * sum(len(set(variant.engines)) for variant in self.variant)
 
     @model_validator(mode="after")
-    def _whole(self) -> StudyFile:
+    def _whole(self) -> Self:
         names = [variant.name for variant in self.variant]
         keys = [item.key for item in self.vary] + [item.key for item in self.scatter]
         grids = [item.key for item in self.vary if item.values is None]
@@ -206,7 +201,7 @@ class StudyFile(UserTable):
 
 def load_study(path: Path | str) -> StudyFile:
     """Read and validate a study file. Raises `InputError` with every mistake."""
-    return read_model(StudyFile, Path(path))
+    return tables.read_model(StudyFile, Path(path))
 
 
 @dataclass(frozen=True)
@@ -230,9 +225,9 @@ class BaseScene:
 
     path: Path | None
     content: Mapping[str, JsonValue]
-    _statues: load.Statues = field(default_factory=dict, compare=False, repr=False)
+    _statues: scene_file.Statues = field(default_factory=dict, compare=False, repr=False)
 
-    def __reduce__(self) -> tuple[type[BaseScene], tuple[Path | None, Mapping[str, JsonValue]]]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Sent to a worker as it was read, without the statues that were resolved here."""
         return BaseScene, (self.path, self.content)
 
@@ -248,12 +243,12 @@ class BaseScene:
         """The base scene with some keys set. Raises `InputError` that names the keys."""
         content = self.with_keys(setting)
         said = ", ".join(f"{key} = {value}" for key, value in setting.items()) or "nothing set"
-        where = f"{self.path or load.UNNAMED} with {said}"
+        where = f"{self.path or scene_file.UNNAMED} with {said}"
         try:
-            model = SceneFile.model_validate(content)
+            model = tables.SceneFile.model_validate(content)
         except ValidationError as error:
-            raise InputError(mistakes_of(error, SceneFile, where)) from error
-        return load.resolve(model, self.path, content, self._statues)
+            raise InputError(mistakes_of(error, tables.SceneFile, where)) from error
+        return scene_file.resolve(model, self.path, content, self._statues)
 
 
 def base_of(study: StudyFile, path: Path) -> BaseScene:
@@ -276,8 +271,10 @@ def expand(study: StudyFile, base: BaseScene, numbers: Iterable[int] | None = No
     """The cases of a study in a fixed order: axes in the file's order, samples innermost, variants last; or some by number."""
     axes = [item.all_values for item in study.vary]
     # Each key has a stream of its own, so that adding one changes no other.
-    streams = {item.key: np.random.default_rng([study.seed, *item.key.encode()]) for item in study.scatter}
-    draws = {item.key: _drawn(item, base, streams[item.key], study.samples) for item in study.scatter}
+    draws = {
+        item.key: _drawn(item, base, np.random.default_rng([study.seed, *item.key.encode()]), study.samples)
+        for item in study.scatter
+    }
     for number in range(study.points * len(study.variant)) if numbers is None else numbers:
         *indices, sample, of_variant = study.place(number)
         point = {item.key: values[i] for item, values, i in zip(study.vary, axes, indices, strict=True)}
@@ -293,9 +290,9 @@ def _also(axes: Sequence[Vary], varied: Mapping[str, Value]) -> dict[str, float]
     for item in axes:
         for key, factor in item.also.items():
             value = varied[item.key]
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise InputError(Mistake("study", f"vary {item.key}.also", "numbers to multiply", repr(value)))
-            further[key] = factor * value
+            numeric = type(value) in (int, float)
+            require(numeric, "study", "numbers to multiply", repr(value), key=f"vary {item.key}.also")
+            further[key] = factor * float(value)
     return further
 
 
@@ -343,8 +340,7 @@ class StillScene(NamedTuple):
 class CaseScenes:
     """The bodies and the motions of a study's cases, by what each sets; the same objects for the same settings.
 
-    A scene's bodies do not depend on its motion, nor its motion on anything but `OF_MOTION`: the two are resolved apart. What is
-    refused apart is resolved whole, so that the same mistake is told as of a single run.
+    A scene's bodies do not depend on its motion, nor its motion on anything but `OF_MOTION`: the two are resolved apart.
     """
 
     def __init__(self, base: BaseScene, accuracy_rad: float) -> None:
@@ -364,13 +360,9 @@ class CaseScenes:
         own = tuple((key, value) for key, value in setting.items() if not _of_motion(key))
         if own not in self._stills:
             _make_room(self._stills, MOST_REMEMBERED)
-            try:
-                scene = self._without_motion.scene(dict(own))
-            except InputError:
-                self._base.scene(setting)
-                raise
-            given = cast(Keywords, twoblock.keywords(scene))
-            problem, _ = stated(twoblock.block_of(scene), ZeroExcitation(), None, given)
+            scene = self._without_motion.scene(dict(own))
+            given = cast(Keywords, keywords(scene))
+            problem, _ = stated(block_of(scene), ZeroExcitation(), None, given)
             self._stills[own] = StillScene(scene, body_of(problem, self._accuracy_rad))
         return self._stills[own]
 
@@ -378,11 +370,7 @@ class CaseScenes:
         """The case's motion in its scene without one. Raises `InputError` for a case that is no scene."""
         own = tuple((key, value) for key, value in setting.items() if _of_motion(key) or key in OF_MOTION)
         if own not in self._motions:
-            try:
-                made = self._made(own, still)
-            except (InputError, ValidationError):
-                self._base.scene(setting)
-                raise
+            made = self._made(own, still)
             if self._uncertain:
                 self._base.scene(setting)
             samples = sum(item.t_s.size for item in (made.x, made.y, made.z) if isinstance(item, SampledAcceleration))
@@ -396,13 +384,12 @@ class CaseScenes:
         name = tuple(item for item in own if item[0] != SCALE)
         if name not in self._unscaled:
             _make_room(self._unscaled, MOST_REMEMBERED)
-            path, of_scene = self._base.path or load.UNNAMED, (still.duration_s, still.gravity_m_s2)
-            axes: dict[str, Excitation] = dict.fromkeys(("x", "y", "z"), ZeroExcitation())
-            for axis in axes:
-                component = getattr(table, axis)
-                if component is not None:
-                    motion = SceneMotion(component, path.parent, str(path), f"motion.{axis}", *of_scene)
-                    axes[axis] = prepare(motion).excitation
+            path, of_scene = self._base.path or scene_file.UNNAMED, (still.duration_s, still.gravity_m_s2)
+            given = {axis: component for axis in "xyz" if (component := getattr(table, axis)) is not None}
+            axes = {
+                axis: prepare(SceneMotion(component, path.parent, str(path), f"motion.{axis}", *of_scene)).excitation
+                for axis, component in given.items()
+            }
             self._unscaled[name] = BaseExcitation(**axes)
         return self._unscaled[name].scaled(table.scale)
 

@@ -135,9 +135,8 @@ def prevents(answers: Sequence[ClaimRun]) -> Counted:
     saved = sum(f.overturned and p.stands for f, p in pairs)
     lost = sum(p.overturned and f.stands for f, p in pairs)
     falling = sum(f.overturned for f, _ in pairs)
-    text = info("evidence_ii", prevented=saved, falling=falling, caused=lost)
     # One case is enough for "in some cases"; where nothing overturns nothing could be prevented.
-    return min(saved, 1), min(falling, 1), text
+    return min(saved, 1), min(falling, 1), info("evidence_ii", prevented=saved, falling=falling, caused=lost)
 
 
 def fades(answers: Sequence[ClaimRun]) -> Counted:
@@ -181,8 +180,8 @@ def wall_limit(answers: Sequence[ClaimRun], top_m: float) -> InParts:
     geometry = abs(top_m / WALL_M - 1.0) <= WALL_SLACK
     back = [item.peak_rad for item in answers if item.stands]
     within = bool(back) and max(back) <= WALL_RAD
-    text = info("evidence_vi", top_m=top_m, limit_rad=WALL_RAD, largest_rad=max(back, default=None))
-    return int(geometry) + int(within), 1 + bool(back), text, () if back else ("returning",)
+    evidence = info("evidence_vi", top_m=top_m, limit_rad=WALL_RAD, largest_rad=max(back, default=None))
+    return int(geometry) + int(within), 1 + bool(back), evidence, () if back else ("returning",)
 
 
 def only_rocks(answers: Sequence[ClaimRun]) -> Counted:
@@ -193,8 +192,7 @@ def only_rocks(answers: Sequence[ClaimRun]) -> Counted:
     held = sum(item.run.peak_slip_m < AT_REST_M and item.peak_rad >= ROCKS_RAD for item in high)
     slides = sum(item.run.peak_slip_m >= AT_REST_M for item in high)
     largest_m = max(item.run.peak_slip_m for item in high)
-    text = info("evidence_vii", slides=slides, cases=len(high), limit_hz=LOW_HZ, largest_m=largest_m)
-    return held, len(high), text
+    return held, len(high), info("evidence_vii", slides=slides, cases=len(high), limit_hz=LOW_HZ, largest_m=largest_m)
 
 
 def goes_on_rocking(answers: Sequence[ClaimRun]) -> Counted:
@@ -204,8 +202,8 @@ def goes_on_rocking(answers: Sequence[ClaimRun]) -> Counted:
         return _untested("histories")
     held = sum(item.stands and (item.run.last_impact_s or 0.0) >= LASTING * (item.run.end_s or 0.0) for item in high)
     fallen, end_s = sum(item.overturned for item in high), max(item.run.end_s or 0.0 for item in high)
-    text = info("evidence_viii", limit_hz=LOW_HZ, held=held, cases=len(high), end_s=end_s, falls=fallen)
-    return held, len(high), text
+    values = {"limit_hz": LOW_HZ, "held": held, "cases": len(high), "end_s": end_s, "falls": fallen}
+    return held, len(high), info("evidence_viii", **values)
 
 
 def reduces(answers: Sequence[ClaimRun]) -> Counted:
@@ -294,9 +292,6 @@ TESTS: Final[Mapping[str, Test]] = {
 
 # The sets of claims, and their verdicts.
 
-HOLDS: Final[ClaimAnswer] = "holds"
-FAILS: Final[ClaimAnswer] = "does not hold"
-SOME: Final[ClaimAnswer] = "holds for some"
 UNTESTED: Final[ClaimAnswer] = "not tested"
 
 SETS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -343,4 +338,6 @@ def _verdict(held: int, cases: int, untested: Sequence[str]) -> ClaimAnswer:
     """A claim of which a part was never tested does not hold as a whole."""
     if cases == 0:
         return UNTESTED
-    return HOLDS if held == cases and not untested else (SOME if held else FAILS)
+    if held == cases and not untested:
+        return "holds"
+    return "holds for some" if held else "does not hold"

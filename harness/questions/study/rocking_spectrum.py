@@ -4,15 +4,13 @@ Peak rotation over the balance angle against size and slenderness, after Makris 
 Structural Dynamics 32, 2003), and beside it the share of the motions that overturn.
 """
 
-from __future__ import annotations
-
 import csv
 import itertools
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -62,7 +60,7 @@ class ValueRange(UserTable):
     spacing: Literal["linear", "log"] = "linear"
 
     @model_validator(mode="after")
-    def _rises(self) -> ValueRange:
+    def _rises(self) -> Self:
         agree((self.stop > self.start, "stop", f"more than start = {self.start:g}", f"{self.stop:g}"))
         return self
 
@@ -90,7 +88,7 @@ class SpectrumFile(UserTable):
     seed: Annotated[int, Field(ge=0)] = 0
 
     @model_validator(mode="after")
-    def _whole(self) -> SpectrumFile:
+    def _whole(self) -> Self:
         together, start = (self.draws > 1) == (self.strength_cov > 0.0), self.slenderness.start
         agree(
             (together, "draws", "draws and strength_cov together", f"{self.draws}, {self.strength_cov:g}"),

@@ -1,14 +1,17 @@
 """The record of a study: models against a reference, what its page shows, taken from the store, and its answer."""
 
 import csv
+import math
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.comparison.comparator import judge, shares, side_of
 from harness.comparison.scores import LEAST_VALUES, excursions_of, lost_j
@@ -31,16 +34,16 @@ from harness.model import (
     caution,
     grouped,
     info,
+    machine,
     pair,
     translated,
+    versions,
     writing,
 )
-from harness.model import run as record
 from harness.questions.study import claims
-from harness.questions.study.case_blocks import KeyedRow, coarser, every_row, study_rows, table
 from harness.questions.study.cases import BaseScene, StudyFile, base_of, expand, recheck
 from harness.questions.study.claims import WALL_RAD
-from harness.questions.study.study_run import Summary, study_name
+from harness.questions.study.study_run import COLUMNS, Summary, rows_of, study_name
 from harness.records.base import same_fields
 from harness.records.run import PLAIN, in_domain, left_early
 from harness.records.scene import SceneRecord
@@ -53,12 +56,88 @@ from harness.records.study import (
     StudySummary,
     StudyWitness,
     SupportRecord,
+    TableRecord,
     ThinnedHistory,
     Value,
     impacts,
 )
 from harness.records.validation import SetScores
-from harness.runs.store import PlannedRow, Store
+from harness.runs.store import STORE_NAME, PlannedRow, Store
+
+# The rows of a study as its store holds them, one by one or in blocks: typed once, for all that is counted and shown of them.
+
+Chosen = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
+MOST_WHOLE: Final = 110_000
+"""Rows that a page and its record still hold whole: a map of 330 × 330, a record of 110 MB; beyond it"""
+MOST_SHOWN: Final = 20_000
+"""they hold a coarser grid of so many."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class KeyedRow(StudyRow):
+    """A row with the key of its result in the store, and why it failed."""
+
+    key: str | None
+    message: str = ""
+
+
+def every_row(store: Store, study: str, chosen: Chosen | None = None) -> Iterator[PlannedRow]:
+    """All rows of a study in order, one block in memory at a time; of a block those that are `chosen` by their numbers (n,)."""
+    for row in store.rows(study):
+        if row.kind != COLUMNS or row.key is None or row.run is None:
+            yield row
+            continue
+        table = store.table(row.key)
+        if chosen is not None:
+            kept = chosen(table["number"])
+            table = {name: values[kept] for name, values in table.items()}
+        for number, varied, run in rows_of(table, row.run):
+            yield PlannedRow(number, row.engine, None, row.reason, varied, run)
+
+
+def study_rows(store: Store, study: str, chosen: Chosen | None = None) -> list[KeyedRow]:
+    """All rows of a study; words that many rows share are one string, for there may be a million of them."""
+    return [
+        KeyedRow(
+            number=row.number,
+            engine=row.engine,
+            reason=sys.intern(row.reason),
+            varied={sys.intern(key): value for key, value in row.varied.items()},
+            run=None if row.run is None else CaseRun.stored(row.run),
+            key=row.key,
+            message="" if row.run is None else sys.intern(str(row.run.get("message", ""))),
+        )
+        for row in every_row(store, study, chosen)
+    ]
+
+
+def coarser(study: StudyFile, most: int | None = None) -> Chosen:
+    """Every row of a study that is shown whole, else those of a coarser grid of at most so many, thinned where it is longest."""
+    most = most or (study.runs if study.runs <= MOST_WHOLE else MOST_SHOWN)
+    sizes = study.sizes
+    strides = [1] * len(sizes)
+    while math.prod(-(-n // k) for n, k in zip(sizes, strides, strict=True)) * len(study.variant) > most:
+        longest = max(range(len(sizes)), key=lambda axis: -(-sizes[axis] // strides[axis]))
+        strides[longest] += 1
+
+    def chosen(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+        places = np.unravel_index(numbers, [*sizes, len(study.variant)])
+        on_grid = [place % stride == 0 for place, stride in zip(places, strides, strict=False)]
+        return np.asarray(np.logical_and.reduce(on_grid))
+
+    return chosen
+
+
+def table(store: Store, study: str, shown: int) -> TableRecord | None:
+    """What blocks hold, counted over all of them; None of a study whose rows stand one by one."""
+    outcomes: Counter[str] = Counter()
+    for row in store.rows(study):
+        if row.kind != COLUMNS or row.run is None:
+            return None
+        outcomes.update(row.run["outcomes"])  # type: ignore[arg-type]
+    counts = dict(sorted(outcomes.items()))
+    return TableRecord(STORE_NAME, outcomes.total(), shown, counts, sum(store.engine_seconds(study).values()))
+
 
 # Outcomes, verdicts and distributions of each model against a reference model, over many cases.
 
@@ -184,8 +263,7 @@ def findings_of(record: StudyRecord) -> list[Finding]:
 
 def _falls(rows: Sequence[StudyRow]) -> list[Finding]:
     """In how many cases each model lets the statue overturn or touch the wall, and in how many it does not say."""
-    ran = [(row.model, row.run) for row in rows if row.run is not None]
-    ends = grouped((model, run.outcome if in_domain(run) else None) for model, run in ran)
+    ends = grouped((row.model, row.run.outcome if in_domain(row.run) else None) for row in rows if row.run is not None)
     found = []
     for model, each in ends.items():
         fell = [None if end is None else end.fell for end in each]
@@ -327,16 +405,15 @@ def study_record(
         scores=score_sets(rows, history=store.history),
         audit=recheck(study, rows),
         witness=witness,
-        versions=record.versions(),
-        machine=record.machine(),
+        versions=versions(),
+        machine=machine(),
         claims=verdicts,
         headline=None if verdicts is None else claims.headline(verdicts),
         panels=panels(rows, store) if study.claims == "paper" else None,
         rows=rows,
         table=table(store, name, len(rows)),
     )
-    found = [*_failures(rows), *findings_of(made), *made.findings]
-    return replace(made, answer=answer_of(made), findings=found)
+    return replace(made, answer=answer_of(made), findings=[*_failures(rows), *findings_of(made), *made.findings])
 
 
 def _failures(rows: Sequence[KeyedRow]) -> Iterator[Finding]:
@@ -350,8 +427,7 @@ def top_displacement_m(scene: Scene, theta_rad: float) -> float:
     """Horizontal displacement of the silhouette's topmost point at a rotation about the wider side's corner."""
     section = scene.statue.section_m
     side = -1 if scene.statue.corner_left_m > scene.statue.corner_right_m else 1
-    corner = np.array([side * scene.statue.corner_m(side), 0.0])
-    top = section[np.argmax(section[:, 1])] - corner
+    top = section[np.argmax(section[:, 1])] - [side * scene.statue.corner_m(side), 0.0]
     # Clockwise positive: x' = x cos θ + z sin θ.
     turned = top[0] * np.cos(theta_rad) + side * top[1] * np.sin(theta_rad)
     return float(abs(turned - top[0]))
@@ -396,20 +472,17 @@ def _histories(rows: Sequence[KeyedRow], store: Store) -> Iterator[tuple[str | N
 
 def _weighed(rows: Sequence[KeyedRow], store: Store, scene: Scene) -> list[KeyedRow]:
     """The rows, each run with a history told what an impact costs in the mean, and when the last one was."""
-    weighed: dict[str | None, tuple[float | None, float | None]] = {}
+    weighed: dict[str | None, dict[str, Any]] = {}
     for key, history in _histories(rows, store):
         told = excursions_of(history)
         losses_j, impacts_s = (
             each[np.isfinite(each)] for each in (lost_j(told, scene.pivot_inertia_kg_m2), told.impact_s)
         )
-        until_s = float(impacts_s[-1]) if impacts_s.size else 0.0
-        weighed[key] = float(losses_j.mean()) if losses_j.size else None, until_s
-    shown = []
-    for row in rows:
-        loss_j, last_s = weighed.get(row.key, (None, None))
-        run = row.run and replace(row.run, impact_loss_j=loss_j, last_impact_s=last_s)
-        shown.append(replace(row, run=run))
-    return shown
+        weighed[key] = {
+            "impact_loss_j": float(losses_j.mean()) if losses_j.size else None,
+            "last_impact_s": float(impacts_s[-1]) if impacts_s.size else 0.0,
+        }
+    return [replace(row, run=row.run and replace(row.run, **weighed.get(row.key, {}))) for row in rows]
 
 
 def supports(study: StudyFile, base: BaseScene, numbers: Iterable[int]) -> SupportRecord:

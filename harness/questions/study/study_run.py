@@ -1,15 +1,14 @@
-"""Many scenes, several engines: which case is sent to which engine and why; results are cached.
-
-A plan of any size is made as it is run; what is finished is never lost. Beside it a witness of a tenth of its scenes, one
-scene's sweep, and how long a study may take.
+"""Many scenes, several engines: which case is sent to which engine and why, very many cases of the model in blocks; results are
+cached, what is finished is never lost. Beside it a witness of a tenth of its scenes, one scene's sweep, and how long it may take.
 """
 
 import hashlib
 import itertools
+import json
 import math
 import random
 import time
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,20 +17,30 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
 
+from analytic.block import AnalyticInputError
+from analytic.excitation import SampledAcceleration
+from analytic.solution import LEFT_BY, OUTCOMES, peak_is_ahead
+from analytic.sweep import CertifiedRows, certify_rows
 from harness import engines
 from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
-from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, check_target, simulate
-from harness.engines.base import EngineFailure
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, check_target, first_level, simulate
+from harness.engines import analytic as twoblock
+from harness.engines.base import RELIABLE_RAD, EngineFailure, own_settings
 from harness.engines.stepping.loop import refuse_steering
 from harness.input.tables import plain
 from harness.model import (
     NUMBERS,
+    BaseExcitation,
     InputError,
     Mistake,
+    Outcome,
     RunOptions,
     RunSet,
     Scene,
+    column_of,
     must_be_scene,
     require,
     to_plain,
@@ -40,7 +49,6 @@ from harness.model import (
 from harness.model.run_set import run_set
 from harness.questions.scene.witness import BUDGET, findings_of, plain_names, witnesses
 from harness.questions.scene.workload import LONGEST_S
-from harness.questions.study.case_blocks import SweptRuns, block_tasks, in_columns
 from harness.questions.study.cases import (
     COARSEST,
     EVERY,
@@ -49,8 +57,10 @@ from harness.questions.study.cases import (
     SAME_CELL,
     BaseScene,
     Case,
+    CaseScenes,
     Place,
     PlaceAnswer,
+    StillScene,
     StudyFile,
     Value,
     base_of,
@@ -60,14 +70,294 @@ from harness.questions.study.cases import (
     rechecked,
     refined,
 )
-from harness.records.base import part
+from harness.records.base import Plain, part
 from harness.records.run import PLAIN, Witness
 from harness.records.study import CaseRun, StudySummary, StudyWitness, UsageRecord, WitnessCount
 from harness.runs.execute import Campaign, OnProgress, execute, silent
 from harness.runs.progress import counted, duration_words
 from harness.runs.runner import Pool
 from harness.runs.store import Store
-from harness.runs.task import RUN, RunRequest, Task, TaskResult, key_of, scene_key
+from harness.runs.task import RUN, RunRequest, Task, TaskResult, key_of, run_request, scene_key
+
+# Very many cases by the analytic model alone: blocks of neighbouring cases, each run in two compiled sweeps.
+
+Columns = dict[str, NDArray[Any]]
+COLUMNS: Final = "columns"
+"""Kind of a result that is a block."""
+LEAST_RUNS: Final = 2_000
+"""From so many runs on a study's results stand in columns: a tenth of the bytes, two thirds of the processor time (of 2520
+runs). Rows are shared between studies, and what is the same by its physics is computed once."""
+BLOCK: Final = 16_384
+"""Cases of a block: some seconds of work, a megabyte to send."""
+MOST_SAMPLES: Final = 4_000_000
+"""Samples of records that are run together, 64 MB of them."""
+
+
+def in_columns(study: StudyFile, base: BaseScene) -> bool:
+    """Whether a study's results stand in columns: very many runs of the analytic model, for their outcomes alone."""
+    own = {name for variant in study.variant for name in variant.engines} == {REFERENCE}
+    bare = study.ask.cases == "all" and not study.ask.histories and study.claims is None
+    # A file that a case names is no part of its block's name, and what begins from a pose fails run by run.
+    values = [value for item in study.vary for value in item.values or ()]
+    named = any(isinstance(value, str) and value not in ("keep", "none") for value in values)
+    initial = base.content.get("initial")
+    posed = isinstance(initial, Mapping) and "position_m" in initial
+    return study.runs >= LEAST_RUNS and own and bare and not named and not posed
+
+
+@dataclass(frozen=True)
+class CaseBlock:
+    """Neighbouring cases of a study: everything that a worker on another machine needs."""
+
+    study: StudyFile
+    base: BaseScene
+    numbers: range
+
+
+def block_tasks(study: StudyFile, base: BaseScene) -> Iterator[Task]:
+    """The blocks of a study, in order; each is named by the study's content, its scene's (files included), and versions."""
+    asked = study.asked_rad.get(REFERENCE, DEFAULT_ACCURACY_RAD)
+    request = RunRequest(lambda: base.scene({}), REFERENCE, asked)
+    keys = [request.task(base.scene(variant.set)).key for variant in study.variant]
+    name = key_of(study.model_dump_json(), base.content, keys)
+    for start in range(0, study.runs, BLOCK):
+        block = CaseBlock(study, base, range(start, min(start + BLOCK, study.runs)))
+        yield Task(key_of(name, start, BLOCK), run_block, block, REFERENCE, runs=len(block.numbers))
+
+
+def run_block(block: CaseBlock) -> TaskResult:
+    """Run every case of a block: its columns, and what they have in common."""
+    begin = time.perf_counter()
+    cases = list(expand(block.study, block.base, block.numbers))
+    runs = SweptRuns(block.base, block.study.asked_rad.get(REFERENCE, DEFAULT_ACCURACY_RAD))
+    for place, case in enumerate(cases):
+        runs.add(place, case.setting)
+    varied = {key: varied_column(block.study, key, [case.varied[key] for case in cases]) for key in cases[0].varied}
+    named = {"number": np.array(block.numbers), "variant": column_of([case.variant for case in cases])}
+    table = {**named, **varied, **runs.columns()}
+    record = {"settings": runs.settings, "varied": list(varied), "outcomes": Counter(table["outcome"].tolist())}
+    seconds = time.perf_counter() - begin
+    return TaskResult(COLUMNS, to_plain(record), seconds, inside_s=runs.inside_s, failed=runs.failed, table=table)
+
+
+class SweptRuns:
+    """Cases of a base scene, gathered and run together; one that the model refuses is run, and fails, as any single run does."""
+
+    def __init__(self, base: BaseScene, asked_rad: float) -> None:
+        self._base, self._asked = base, asked_rad
+        level = first_level(engines.load(REFERENCE).refinement_levels(base.scene({})), asked_rad, 1.0)[0]
+        chosen = own_settings(REFERENCE, twoblock.TwoBlockSettings, level)
+        self.settings = twoblock.stated_settings(chosen)
+        self._scenes = _scenes(base, min(RELIABLE_RAD, chosen.accuracy_rad))
+        self._gathered: list[Shaken] = []
+        self._samples = 0
+        self._parts: list[Columns] = []
+        self.inside_s = 0.0
+        self.failed = 0
+
+    def add(self, place: int, setting: Mapping[str, Value]) -> None:
+        """Gather a case by the keys that it sets, or run it. Raises `InputError` for a case that is no scene."""
+        try:
+            still = self._scenes.still(setting)
+            shaken = Shaken(place, still, self._scenes.motion(setting, still.scene))
+        except AnalyticInputError:
+            made = partial(self._base.scene, setting)
+            answer = run_request(RunRequest(made, REFERENCE, self._asked))
+            self.failed += answer.failed
+            self._parts.append({"place": np.array([place]), **columns_of_record(answer.record)})
+            return
+        except (InputError, ValidationError):
+            # What is refused in parts is resolved whole, so that the same mistake is told as of a single run.
+            self._base.scene(setting)
+            raise
+        self._gathered.append(shaken)
+        axes = shaken.motion.x, shaken.motion.z
+        self._samples += sum(item.t_s.size for item in axes if isinstance(item, SampledAcceleration))
+        if self._samples > MOST_SAMPLES:
+            self._run()
+
+    def columns(self) -> Columns:
+        """All that was added, in order."""
+        self._run()
+        order = np.argsort(np.concatenate([part["place"] for part in self._parts]), kind="stable")
+        return {
+            name: np.concatenate([part[name] for part in self._parts])[order]
+            for name in self._parts[0]
+            if name != "place"
+        }
+
+    def _run(self) -> None:
+        """Run what was gathered in two sweeps."""
+        if not self._gathered:
+            return
+        start = time.perf_counter()
+        self._parts.append(swept(self._gathered))
+        self.inside_s += time.perf_counter() - start
+        self._gathered, self._samples = [], 0
+
+
+_REMEMBERED: Final[dict[str, CaseScenes]] = {}
+"""The scenes of the study at work: what its blocks share is read once in each worker."""
+
+
+def _scenes(base: BaseScene, accuracy: float) -> CaseScenes:
+    name = json.dumps([str(base.path), base.content, accuracy], default=str)
+    if name not in _REMEMBERED:
+        _REMEMBERED.clear()
+        _REMEMBERED[name] = CaseScenes(base, accuracy)
+    return _REMEMBERED[name]
+
+
+# Cases of a study by the analytic model as columns, and columns as the records that a store of single runs holds.
+
+VALIDITY: Final = {
+    "energy_gained_j": "energy_gained_j",
+    "energy_lost_j": "energy_lost_j",
+    "floor_normal_least_n": "least_floor_normal_n",
+    "left_domain_s": "left_domain_s",
+    "statue_friction_needed": "pivot_friction",
+    "statue_friction_needed_at_impact": "pivot_friction_at_impact",
+    "statue_normal_least_n": "least_pivot_normal_n",
+}
+TIPPING: Final = {
+    "pedestal_tipping_margin_at_impact_m": "tipping_margin_at_impact_m",
+    "pedestal_tipping_margin_m": "tipping_margin_m",
+}
+"""Names of a run's record, and of what the kernel leaves behind; the last only where there is a pedestal."""
+WORK: Final = {"events": "events", "impacts": "impacts", "taylor_coefficients": "coefficients"}
+OF_RUN: Final = (*NUMBERS, "outcome", "findings", "skipped", "steps")
+"""Columns that stand in the record itself."""
+TABLES: Final = ("skipped", "findings")
+"""Columns that hold JSON."""
+OF_VALIDITY: Final = ("left_domain_by", "peak_over_slenderness", *VALIDITY)
+
+
+class Shaken(NamedTuple):
+    """A case as the model reads it, and its place among others."""
+
+    place: int
+    still: StillScene
+    motion: BaseExcitation
+
+
+def swept(cases: Sequence[Shaken]) -> Columns:
+    """Run the cases; what their records hold, as columns (n,), with their places."""
+    stills = list({id(case.still): case.still for case in cases}.values())
+    numbers = {id(still): k for k, still in enumerate(stills)}
+    which = np.array([numbers[id(case.still)] for case in cases])
+    motions = [(case.motion.x, case.motion.z) for case in cases]
+    rows = certify_rows([still.body for still in stills], which, motions, RELIABLE_RAD)
+    slender = np.array([[still.scene.statue.slenderness_rad(side) for side in (-1, 1)] for still in stills])[which]
+    pedestal = np.array([still.scene.pedestal is not None for still in stills])[which]
+    certified = [rows.certified(k) for k in range(len(cases))]
+    findings = [
+        (*twoblock.findings_of(each), *twoblock.left_out(case.motion))
+        for each, case in zip(certified, cases, strict=True)
+    ]
+    return {
+        "place": np.array([case.place for case in cases]),
+        **_numbers(rows, slender, pedestal),
+        "motion_axes": column_of(["".join(case.motion.axes(2)) for case in cases]),
+        "findings": column_of([json.dumps(to_plain(each)) for each in findings]),
+        "skipped": column_of([json.dumps(to_plain(twoblock.skipped(each.solution, keep=False))) for each in certified]),
+        "record": column_of([None] * len(cases)),
+    }
+
+
+def _numbers(rows: CertifiedRows, slenderness_rad: NDArray[np.float64], pedestal: NDArray[np.bool_]) -> Columns:
+    """Of α (n, 2) the left and the right side."""
+    states, results, counts = rows.first.states, rows.first.results, rows.first.counts
+    signed = results["peak_theta_rad"]
+    peak = np.abs(signed)
+    ahead = peak_is_ahead(counts["energy_endings"], results["peak_time_s"], states["time_s"])
+    falls = np.isin(states["outcome"], [k for k, item in enumerate(OUTCOMES) if Outcome(item.value).overturned])
+    columns: Columns = {name: np.full(peak.size, value) for name, value in NUMBERS.items()}
+    columns |= {
+        "outcome": column_of([OUTCOMES[code].value for code in states["outcome"].tolist()]),
+        "end_s": states["time_s"],
+        "peak_theta_rad": peak,
+        "peak_time_s": np.where(ahead, np.nan, results["peak_time_s"]),
+        "residual_slip_m": states["slip_m"],
+        "no_return_time_s": np.where(falls, results["no_return_time_s"], np.nan),
+        "numerical_uncertainty_rad": rows.uncertainty_rad,
+        "slip_uncertainty_m": rows.slip_uncertainty_m,
+        "reliable_until_s": rows.reliable_until_s,
+        "steps": counts["steps"],
+        "left_domain_by": column_of([LEFT_BY[code] for code in results["left_domain_by"].tolist()]),
+        "peak_over_slenderness": peak / np.where(signed > 0.0, slenderness_rad[:, 1], slenderness_rad[:, 0]),
+        "on_pedestal": pedestal,
+        "overturn_time_s": results["overturn_time_s"],
+        "peak_slip_m": results["peak_slip_m"],
+    }
+    columns |= {name: results[source] for name, source in VALIDITY.items()}
+    columns |= {name: np.where(pedestal, results[source], np.nan) for name, source in TIPPING.items()}
+    return columns | {name: counts[source] for name, source in WORK.items()}
+
+
+def columns_of_record(record: Plain) -> Columns:
+    """One run's record as columns of one row: what of it other rows have too, and the whole as text."""
+    numbers = {name: record.get(name) for name in OF_RUN if name not in TABLES}
+    own = {name: np.array([np.nan if value is None else value]) for name, value in numbers.items()}
+    lists = {name: column_of([json.dumps(record[name])]) for name in TABLES}
+    words = {"outcome": record["outcome"], "left_domain_by": "", "motion_axes": "", "record": json.dumps(record)}
+    said = {name: column_of([value]) for name, value in words.items()}
+    nothing = {name: np.array([np.nan]) for name in (*VALIDITY, *TIPPING, "peak_over_slenderness")}
+    counts = {name: np.array([0]) for name in WORK}
+    return {**own, **nothing, **counts, **said, **lists, "on_pedestal": np.array([False])}
+
+
+def varied_column(study: StudyFile, key: str, values: list[Value]) -> NDArray[Any]:
+    """What varies as a column: numbers of one kind as they are, anything else as JSON; alike in every block of the study."""
+    given = next((item.values for item in study.vary if item.key == key), None)
+    kinds = {type(value) for value in given} if given is not None else {float}
+    return np.array(values) if kinds in ({float}, {int}) else column_of([json.dumps(value) for value in values])
+
+
+def rows_of(table: Columns, block: Plain) -> Iterator[tuple[int, dict[str, Value], Plain]]:
+    """Number, what varies and record of each row of a block: the record that a store of single runs would hold."""
+    named = {name: _plain(values) for name, values in table.items()}
+    keys: Any = block["varied"]
+    for row in (dict(zip(named, values, strict=True)) for values in zip(*named.values(), strict=True)):
+        varied = {key: json.loads(row[key]) if isinstance(row[key], str) else row[key] for key in keys}
+        record = _record(row, block["settings"]) if row["record"] is None else json.loads(row["record"])
+        # By name, as a store has them.
+        yield row["number"], dict(sorted({"variant": row["variant"], **varied}.items())), dict(sorted(record.items()))
+
+
+def _plain(values: NDArray[Any]) -> list[Any]:
+    """A column's values; a number that is not finite is None, as it is in a record."""
+    if values.dtype.kind != "f":
+        return list(values.tolist())
+    column = values.astype(object)
+    column[~np.isfinite(values)] = None
+    return list(column)
+
+
+def _record(row: Mapping[str, Any], settings: Any) -> Plain:
+    """The record of one run; what it has that no outcome of the model has is empty."""
+    validity = {name: row[name] for name in OF_VALIDITY}
+    if row["on_pedestal"]:
+        validity |= {name: row[name] for name in TIPPING}
+    if row["outcome"] == Outcome.TOUCHES_WALL.value and row["peak_time_s"] is not None:
+        validity["wall_touch_time_s"] = row["end_s"]
+    return {
+        "engine": twoblock.TwoBlock.name,
+        "impact_times_s": [],
+        "interventions": {},
+        "labels": [],
+        "message": "",
+        "motion_axes": list(str(row["motion_axes"])),
+        "patterns": [],
+        "settings": settings,
+        "uplift_times_s": [],
+        "validity": {**validity, "impact_ratios": [], "several_joint_states_s": []},
+        "work": {name: row[name] for name in WORK},
+        **{name: row[name] for name in OF_RUN if name not in TABLES},
+        **{name: json.loads(str(row[name])) for name in TABLES},
+    }
+
+
+# Which case is sent to which engine, and why: a plan of any size is made as it is run.
 
 BATCH: Final = {"analytic": 64}
 """Runs handed to a worker at a time: a run of a fraction of a millisecond is not worth a message of its own."""
@@ -181,8 +471,7 @@ class StudyPlan:
             known = self._answers(REFERENCE, cases)
             return near_boundary(known, ask.margin, ask.audit, self._study.seed)
         outcomes = {place: answer.outcome for place, answer in self._answers(engine, cases).items()}
-        asked = refined(places, outcomes, map_axes(self._study))
-        return asked | rechecked(places, ask.audit, self._study.seed)
+        return refined(places, outcomes, map_axes(self._study)) | rechecked(places, ask.audit, self._study.seed)
 
     def _answers(self, engine: str, cases: Sequence[Case]) -> dict[Place, PlaceAnswer]:
         """What an engine has said of these cases."""
@@ -217,8 +506,6 @@ SHARE: Final = 0.1
 """Of the scenes: the run is made again and a witness costs as much at most, so a tenth of them adds a fifth or less."""
 KIND: Final = "witness"
 """Kind of its results in a store."""
-JUDGED: Final = "analytic"
-"""Its answers are held against the plain engines, too: they cost nothing."""
 
 
 def witness_scene(asked: tuple[BaseScene, Mapping[str, Value], Mapping[str, float]]) -> TaskResult:
@@ -278,7 +565,8 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
     """By the first case of each distinct scene that an engine with a plain one has answered: keys of its results by engine."""
     by_number: dict[int, dict[str, str]] = {}
     for row in store.rows(study_name(study)):
-        judged = row.engine == JUDGED or row.engine + PLAIN in engines.REGISTRY
+        # The model's answers are held against the plain engines, too: they cost nothing.
+        judged = row.engine == REFERENCE or row.engine + PLAIN in engines.REGISTRY
         if not judged or row.key is None or row.kind != RUN or row.run is None:
             continue
         if row.run["reliable_until_s"] != 0.0:
@@ -335,11 +623,18 @@ def sweep(
     axes = {key: _values(key, given) for key, given in values.items()}
     must_be_scene(scene, "sweep")
     require(scene.given, "sweep", "a scene that was loaded, whose keys are known", "one made of parts", key="scene")
-    settings = [dict(zip(axes, point, strict=True)) for point in itertools.product(*axes.values())]
+    settings: list[dict[str, Any]] = [
+        dict(zip(axes, point, strict=True)) for point in itertools.product(*axes.values())
+    ]
     asked = accuracy_rad or DEFAULT_ACCURACY_RAD
     single = all(isinstance(value, Value) for value in itertools.chain(*axes.values()))
     if engine == "analytic" and single and scene.initial.pose is None and not history and store is None:
-        return _swept(scene, settings, asked)
+        runs = SweptRuns(BaseScene(scene.source, scene.given), asked)
+        for place, setting in enumerate(settings):
+            runs.add(place, setting)
+        columns = runs.columns()
+        numbers = {name: columns[name] for name in (*NUMBERS, "steps", "impacts")}
+        return run_set(scene.title, settings, [engine] * len(settings), columns["outcome"].tolist(), numbers)
     requests = [RunRequest(scene.replace(each), engine, asked, history=history, varied=each) for each in settings]
     return execute(requests, store, title=scene.title, jobs=jobs)
 
@@ -349,16 +644,6 @@ def _values(key: str, given: object) -> list[object]:
     if not isinstance(found, list) or not found:
         raise InputError(Mistake("sweep", key, "a list of values", repr(found)))
     return ["none" if value is None else value for value in found]
-
-
-def _swept(scene: Scene, settings: Sequence[Mapping[str, Any]], asked_rad: float) -> RunSet:
-    """The analytic model's runs, together."""
-    runs = SweptRuns(BaseScene(scene.source, scene.given), asked_rad)
-    for place, setting in enumerate(settings):
-        runs.add(place, setting)
-    columns = runs.columns()
-    numbers = {name: columns[name] for name in (*NUMBERS, "steps", "impacts")}
-    return run_set(scene.title, settings, ["analytic"] * len(settings), columns["outcome"].tolist(), numbers)
 
 
 # How long a study may take, told before it begins; studies over a day need `--large`.

@@ -17,8 +17,8 @@ from scipy.stats.qmc import LatinHypercube
 from harness import engines
 from harness.accuracy.refinement import simulate_with
 from harness.model import Answer, Array, Contact, Finding, Pose, RunOptions, Scene, caution, info, require
-from harness.questions.validate.jobs import Model
 from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown
+from harness.questions.validate.scenes import Model
 from harness.records.validation import Cell, MeasuredRecord, MeasuredTable
 
 # Measured planar drops: how probable each model makes the final quarter turn that was seen.
@@ -100,8 +100,7 @@ def _drop(name: str, frames: Array, body: Scene) -> Drop | str:
         # Of the spread alone: a flight without any scatter has no root of its covariance.
         spread = math.sqrt(float(missed[0]) / (t_s.size - 2))
         scatter[k] = spread * np.linalg.cholesky(np.linalg.inv(design.T @ design))
-    face = round(start[2, 0] / QUARTER_RAD)
-    return Drop(name, start, scatter, fall, FRAME_S * (len(z) - first), turn, face)
+    return Drop(name, start, scatter, fall, FRAME_S * (len(z) - first), turn, face=round(start[2, 0] / QUARTER_RAD))
 
 
 def coefficients(samples: int, seed: int) -> Array:

@@ -1,24 +1,30 @@
-"""From a test of the table to the scenes that are run: its motion, each unknown input, each small perturbation."""
+"""From a table of experiments (CSV, one row for each test on a shake table) to what is run: scenes, and what names their runs."""
 
 import csv
 import hashlib
+import io
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import JsonValue, ValidationError
 
 import meshes
 from analytic.block import GRAVITY_M_S2 as GRAVITY_M_S2
 from analytic.excitation import Excitation, SampledAcceleration, ZeroExcitation
-from harness.input import scene_file as load
-from harness.input.files import decimals, decoded, read_bytes
+from harness import engines
+from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, check_target, simulate
+from harness.comparison.statistics import FELL
+from harness.input.files import decimals, decoded, existing_file, numbers, read_bytes
 from harness.input.mesh_statue import statue_of
 from harness.input.motions import RecordSpec, SceneMotion, prepare
+from harness.input.scene_file import load_scene
 from harness.model import (
     Array,
     BaseExcitation,
@@ -27,15 +33,309 @@ from harness.model import (
     Form,
     InputError,
     Mistake,
+    Outcome,
+    Run,
+    RunOptions,
     Scene,
     Statue,
+    check_known,
+    grouped,
+    nearest,
+    refuse,
     require,
     required,
     translated,
+    versions,
 )
 from harness.questions.study.rocking_spectrum import RING_DOWN_S
-from harness.questions.validate.table import Inputs, Trial
-from harness.runs.task import scene_key
+from harness.records.study import CaseRun
+from harness.runs.runner import Crash
+from harness.runs.task import RunRequest, Task, TaskResult, key_of, lost_answer, lost_run, run_request, scene_key
+
+LARGEST: Final = 1e6
+"""Larger than any azimuth, density, friction, factor on a motion or duration of a test."""
+LIST: Final = ";"
+"""What parts several values of a column."""
+OBSERVED: Final = (FELL, *(outcome.value for outcome in Outcome if outcome is Outcome.STANDS or outcome.overturned))
+NUMBERED: Final[Mapping[str, str]] = {"0": Outcome.STANDS.value, "1": FELL}
+"""Outcomes as a logbook writes them."""
+SIGNS: Final[Mapping[str, int]] = {"1": 1, "-1": -1, "+1": 1}
+
+# What makes a value of a cell's text; `InputError` for a text of which it makes none.
+
+
+def one_of(*known: str, meaning: Mapping[str, Any] | None = None) -> Callable[[str], Any]:
+    """Reads one of these texts, by what it means where that is another thing."""
+
+    def read(text: str) -> Any:
+        check_known(text, known, "")
+        return (meaning or {}).get(text, text)
+
+    return read
+
+
+def number(wanted: str, above: float = -math.inf) -> Callable[[str], float]:
+    """Reads a number above a limit, no larger than any that is measured."""
+
+    def read(text: str) -> float:
+        (value,) = numbers([text])
+        require(abs(value) <= LARGEST and value > above, "", wanted, repr(text))
+        return value
+
+    return read
+
+
+POSITIVE: Final = number(f"one number above 0, at most {LARGEST:g}", 0.0)
+POSITIVES: Final = number(f"a finite number above 0, at most {LARGEST:g} (several with {LIST})", 0.0)
+NUMBERS: Final = number(f"a finite number, at most {LARGEST:g} (several with {LIST})")
+
+
+def band(text: str) -> tuple[float, float] | None:
+    """Reads two corner frequencies, or none."""
+    ends = numbers(text.split(LIST))
+    good = len(ends) == 2 and 0.0 < ends[0] < ends[1] <= LARGEST
+    require(good or text in ("", "none"), "", "two frequencies, low;high (several with |)", repr(text))
+    return (ends[0], ends[1]) if good else None
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a column says, what reads one of its values (a `Path`: of an existing file), and what parts several of them."""
+
+    says: str
+    read: Callable[[str], Any] = str
+    parted: str = ""
+
+
+COLUMNS: Final[Mapping[str, Column]] = {
+    "test": Column("name of the test, each once"),
+    "scene": Column("scene file (TOML) whose statue, pedestal and contact are meant; or", Path),
+    "mesh": Column("file of the body's surface, standing on the floor", Path),
+    "unit": Column("unit of the mesh: m, dm, cm, mm, in, ft (default m)", one_of("m", "dm", "cm", "mm", "in", "ft")),
+    "up": Column("vertical axis of the mesh's file (default z)", one_of("x", "y", "z", "-x", "-y", "-z")),
+    "density_kg_m3": Column("density of the body (default 2700; without a pedestal it changes nothing)", POSITIVE),
+    "mass_kg": Column("mass of the body of a mesh as weighed (default: from its density)", POSITIVE),
+    "contact_tolerance_m": Column(
+        "height above a mesh's lowest point within which it touches (default 0.001)", POSITIVES, LIST
+    ),
+    "inset_m": Column("how far the base's edge is worn inwards (default 0)", NUMBERS, LIST),
+    "azimuth_deg": Column("turn of the body about the vertical (default 0)", NUMBERS, LIST),
+    "friction": Column("friction of the body on its support (default: the scene's)", POSITIVES, LIST),
+    "motion": Column("file of the table's motion, any format that a scene may name (default: the scene's)", Path),
+    "column": Column("channel along the rocking plane"),
+    "column_y": Column("channel across it"),
+    "column_z": Column("vertical channel"),
+    "motion_unit": Column(
+        "unit of the motion where its file does not state it: m/s2, cm/s2, mm/s2, g",
+        one_of("m/s2", "cm/s2", "mm/s2", "g"),
+    ),
+    "time_column": Column("column of times of a motion's table, by its header or number, where no reader knows it"),
+    "baseline": Column(
+        "what is taken off the motion: none, mean, linear, quadratic, rest (default none)",
+        one_of("none", "mean", "linear", "quadratic", "rest"),
+        LIST,
+    ),
+    "bandpass_hz": Column(
+        "filter of the motion: two corner frequencies, low;high, or none; several with | (default none)", band, "|"
+    ),
+    "sign": Column(
+        "1 or -1: whether the table's positive direction is the scene's (default 1)",
+        one_of(*SIGNS, meaning=SIGNS),
+        LIST,
+    ),
+    "scale": Column("factor on the motion (default 1)", POSITIVES, LIST),
+    "duration_s": Column("time to simulate (default: the motion's end and a while for rocking to die down)", POSITIVE),
+    "observed": Column(
+        "0 or stands, 1 or overturned, or with its side: overturned_left, _right, _front, _back",
+        one_of(*NUMBERED, *OBSERVED, meaning=NUMBERED),
+    ),
+    "history": Column("file of the measured rotation (columns t_s, theta_rad)", Path),
+    "history_uncertainty_rad": Column("standard uncertainty of the measured rotation", POSITIVE),
+    "day": Column("day of testing, or whatever else was set up at once (default: all tests of a body)"),
+    "share": Column(
+        "name of the part of the tests that this one belongs to (unknown inputs are fitted on one named share)"
+    ),
+}
+OF_MESH: Final = ("unit", "up", "density_kg_m3", "mass_kg", "contact_tolerance_m")
+OF_MOTION: Final = ("column", "column_y", "column_z", "motion_unit", "time_column", "baseline", "bandpass_hz")
+"""What is said of a body's mesh, and of a motion's file."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """One value of each column that may list several, in which case it is not known: it is fitted, and drawn."""
+
+    azimuth_deg: float = 0.0
+    contact_tolerance_m: float | None = None
+    inset_m: float = 0.0
+    friction: float | None = None
+    sign: int = 1
+    scale: float = 1.0
+    baseline: str = "none"
+    bandpass_hz: tuple[float, float] | None = None
+
+
+OF_BODY: Final = ("contact_tolerance_m", "inset_m", "friction")
+"""What a body keeps from day to day; the others are each day's own."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One test of the table, paths resolved; None where a column is left empty and the scene decides.
+
+    `first` are the first values of its inputs, `lists` all of each input of which there are several.
+    """
+
+    name: str
+    row: int
+    observed: str
+    scene: Path | None = None
+    mesh: Path | None = None
+    unit: str = "m"
+    up: str = "z"
+    density_kg_m3: float = 2700.0
+    mass_kg: float | None = None
+    first: Inputs = Inputs()
+    lists: tuple[tuple[str, tuple[Any, ...]], ...] = ()
+    motion: Path | None = None
+    column: str | None = None
+    column_y: str | None = None
+    column_z: str | None = None
+    motion_unit: str | None = None
+    time_column: str | None = None
+    duration_s: float | None = None
+    history: Path | None = None
+    history_uncertainty_rad: float | None = None
+    day: str = ""
+    share: str = ""
+
+    @cached_property
+    def body(self) -> str:
+        """What names the body."""
+        return str(self.mesh or self.scene)
+
+    @cached_property
+    def body_name(self) -> str:
+        """The body's file, wherever it lies."""
+        return Path(self.body).name
+
+    @cached_property
+    def unknown(self) -> dict[str, tuple[Any, ...]]:
+        """The columns of this row that list several values, with them."""
+        return dict(self.lists)
+
+    def inputs(self, chosen: Inputs | None = None) -> Inputs:
+        """The row's values; of what it does not know the chosen ones (none: the first of each list)."""
+        if chosen is None or not self.unknown:
+            return self.first
+        return replace(self.first, **{name: getattr(chosen, name) for name in self.unknown})
+
+    @property
+    def fell(self) -> bool:
+        """Whether the body was seen to overturn, whichever way."""
+        return self.observed != Outcome.STANDS.value
+
+
+def read_table(path: Path) -> list[Trial]:
+    """Read a table of experiments; raises `InputError` with every mistake, each with its row and column."""
+    text = decoded(
+        read_bytes(path, "a table of experiments"), str(path), "a CSV file with a header and at least one test"
+    )
+    head = next((line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), "")
+    mark = next((each for each in "\t;," if each in head), ",")
+    try:
+        rows = csv.reader(io.StringIO(text, newline=""), delimiter=mark)
+        lines = [line for line in rows if line and not line[0].lstrip().startswith("#")]
+    except csv.Error as error:
+        raise InputError(Mistake(str(path), "", "a readable CSV file", type(error).__name__, str(error))) from error
+    require(len(lines) >= 2, str(path), "a header line and at least one test", f"{len(lines)} lines")
+    names = [name.strip() for name in lines[0]]
+    mistakes = _header(path, names)
+    refuse(mistakes)
+    tests = []
+    for row, cells in enumerate(lines[1:], 1):
+        if len(cells) != len(names):
+            mistakes.append(Mistake(str(path), f"row {row}", f"{len(names)} cells", f"{len(cells)}"))
+        # A table that is not parted by commas may have decimal commas.
+        named = {name: cell.strip() for name, cell in zip(names, cells, strict=False)}
+        tests.append(_trial(path, row, named, "," if mark == "," else ".", mistakes))
+    mistakes += _set_of_tests(path, tests)
+    refuse(mistakes)
+    return tests
+
+
+def _header(path: Path, names: Sequence[str]) -> list[Mistake]:
+    known, counts = f"a known column ({', '.join(COLUMNS)})", Counter(names)
+    told: list[tuple[str, ...]] = [
+        *((known, repr(name), nearest(name, COLUMNS)) for name in names if name not in COLUMNS),
+        *(("each column once", f"{name} {count} times") for name, count in counts.items() if count > 1),
+        *((f"a column {name}", "none") for name in ("test", "observed") if name not in counts),
+    ]
+    if not {"scene", "mesh"} & counts.keys():
+        told.append(("a column scene or mesh", "neither"))
+    return [Mistake(str(path), "header", *each) for each in told]
+
+
+def _set_of_tests(path: Path, tests: Sequence[Trial]) -> list[Mistake]:
+    """Mistakes that only the rows together show."""
+    seen: dict[str, int] = {}
+    mistakes = [
+        Mistake(str(path), f"row {test.row}: test", "a name of its own", f"{test.name!r}, as row {first}")
+        for test in tests
+        if (first := seen.setdefault(test.name, test.row)) != test.row
+    ]
+    lists = grouped(((test.body, column), values) for test in tests for column, values in test.unknown.items())
+    return mistakes + [
+        Mistake(
+            str(path),
+            column,
+            f"one list of values for {Path(body).name}, wherever it is not known",
+            f"{len(set(several))} different lists",
+        )
+        for (body, column), several in lists.items()
+        if len(set(several)) > 1
+    ]
+
+
+def _trial(path: Path, row: int, cells: Mapping[str, str], comma: str, mistakes: list[Mistake]) -> Trial:
+    """The test of a row, with whatever could be read of it; what is wrong goes to the table's mistakes."""
+    given: dict[str, list[Any]] = {}
+    for name, cell in ((name, cell) for name, cell in cells.items() if cell):
+        column, key = COLUMNS[name], f"row {row}: {name}"
+        values: list[Any] = []
+        for text in map(str.strip, cell.split(column.parted) if column.parted else [cell]):
+            try:
+                if column.read is Path:
+                    values.append(existing_file(text, base_dir=path.parent, where=str(path), key=key))
+                else:
+                    values.append(column.read(text if column.read is str else text.replace(",", comma)))
+            except InputError as error:
+                mistakes += [replace(each, where=str(path), key=key) for each in error.mistakes]
+        if values:
+            given[name] = list(dict.fromkeys(values))
+    scene, mesh, motion = (bool(cells.get(name)) for name in ("scene", "mesh", "motion"))
+    of_mesh, of_motion = (" and ".join(name for name in names if cells.get(name)) for names in (OF_MESH, OF_MOTION))
+    elsewhere = "say it in its own file"
+    rules = [
+        *((not cells.get(name), name, COLUMNS[name].says, "nothing", "") for name in ("test", "observed")),
+        (scene == mesh, "scene", "either a scene or a mesh", "both" if scene else "neither", ""),
+        (mesh and not motion, "motion", "a file with the table's motion", "nothing", ""),
+        (
+            of_motion and not mesh and not motion,
+            "motion",
+            f"{of_motion} of a file",
+            "the scene's own motion",
+            elsewhere,
+        ),
+        (of_mesh and scene, "scene", f"{of_mesh} of a mesh", "a scene", elsewhere),
+    ]
+    mistakes += [Mistake(str(path), f"row {row}: {column}", *told) for broken, column, *told in rules if broken]
+    inputs = {item.name: given.pop(item.name) for item in fields(Inputs) if item.name in given}
+    first = Inputs(**{name: values[0] for name, values in inputs.items()})
+    lists = tuple((name, tuple(values)) for name, values in inputs.items() if len(values) > 1)
+    (name,), (observed,) = given.pop("test", [f"row {row}"]), given.pop("observed", [""])
+    return Trial(name, row, observed, first=first, lists=lists, **{key: value for key, (value,) in given.items()})
+
 
 # The motion of a test: its table's columns, treated as the row says, and how strong it is.
 
@@ -267,7 +567,7 @@ def _scatter(trial: Trial, variant: TrialVariant, seed: int) -> tuple[float, flo
 def _scores(name: str, seed: int, size: int) -> Array:
     """Normal scores (size, 4) of a Halton sequence scrambled by a name: few draws fill what they scatter over evenly.
 
-    The first column's base, 2, is left to the settings of unknown inputs (`harness.questions.validate.fit`).
+    The first column's base, 2, is left to the settings of unknown inputs (`harness.questions.validate.scoring`).
     """
     from scipy.special import ndtri
     from scipy.stats.qmc import Halton
@@ -290,7 +590,7 @@ def inset(statue: Statue, inset_m: float, edge_m: float) -> Statue:
     )
 
 
-_scene = lru_cache(maxsize=64)(load.load_scene)
+_scene = lru_cache(maxsize=64)(load_scene)
 
 
 def _turned(trial: Trial, inputs: Inputs, edge_m: float = 0.0) -> Statue:
@@ -386,3 +686,132 @@ def _file_digest(path: Path) -> str:
 def _scene_digest(path: Path) -> str:
     # An engine that looks at everything: the digest then covers all that any engine could see.
     return scene_key(_scene(path), Capabilities(3, uses_mesh=True, statue_slips=True))
+
+
+# The runs of a validation: which are wanted, what names them, and what a worker does.
+
+BATCH: Final = {"analytic": 32, "pymunk": 8}
+"""Runs handed to a worker at a time: enough that sending them costs little beside computing them; of other engines"""
+BATCH_OTHERWISE: Final = 2
+
+
+@dataclass(frozen=True)
+class Model:
+    """An engine with one setting; `name` is how the user wrote it (`pymunk`, `pymunk@accuracy=1e-4`, `pybullet@dt=5e-4`,
+    `spatial@near=analytic`: asked only where draws of the model `near` disagree).
+    """
+
+    name: str
+    engine: str
+    accuracy_rad: float | None
+    dt_s: float | None
+    near: str = ""
+
+
+def parse_model(text: str) -> Model:
+    """A model as written on the command line. Raises `InputError`."""
+    engine, _, setting = text.partition("@")
+    engines.load(engine)
+    name, _, value = setting.partition("=")
+    if not setting or (name == "near" and value):
+        return Model(text, engine, DEFAULT_ACCURACY_RAD, None, value)
+    try:
+        number = float(value)
+    except ValueError:
+        number = float("nan")
+    wanted = "ENGINE, ENGINE@accuracy=RAD, ENGINE@dt=S or ENGINE@near=MODEL"
+    require(name in ("accuracy", "dt") and number == number, "--engine", wanted, repr(text))
+    accuracy, step = (number, None) if name == "accuracy" else (None, number)
+    check_target(accuracy, step)
+    return Model(text, engine, accuracy, step)
+
+
+class Drawn(NamedTuple):
+    """What is kept of a draw's run: a draw is counted, not judged."""
+
+    outcome: Outcome
+    peak_theta_rad: float
+
+
+DRAWS: Final = "draws"
+"""Kind of a result that is the draws of a test."""
+TOGETHER: Final = {"analytic": 100}
+"""Draws of one test that are one result; of other engines a single one: each takes longer than keeping it."""
+
+
+@dataclass(frozen=True)
+class TrialTask:
+    """A task, and the variants of a test that it answers."""
+
+    task: Task
+    trial: Trial
+    variants: Sequence[TrialVariant]
+
+    def read(self, stored: Mapping[str, Any]) -> Iterator[tuple[tuple[str, TrialVariant], CaseRun | Drawn]]:
+        """The answers, as they are stored."""
+        runs: list[CaseRun | Drawn]
+        if self.variants[0].stated:
+            runs = [CaseRun.stored(stored)]
+        else:
+            ended = zip(stored["outcome"], stored["peak_theta_rad"], strict=True)
+            runs = [Drawn(Outcome(outcome), peak) for outcome, peak in ended]
+        return zip([(self.trial.name, variant) for variant in self.variants], runs, strict=True)
+
+
+def asked_of(pairs: Sequence[tuple[Trial, TrialVariant]], model: Model, seed: int) -> list[TrialTask]:
+    """The runs of variants of tests, each keyed by all that decides its answer.
+
+    A draw's own error changes an outcome only near the boundary, where draws fall either way, and so does what is left out of its
+    motion. Only a nominal run of the chosen inputs states its error.
+    """
+    of_code = [versions().get(name) for name in ("rockcheck", "numpy", "numba", model.engine)]
+    by_test = grouped(((trial.name, variant.stated), variant) for trial, variant in pairs)
+    trials = {trial.name: trial for trial, _ in pairs}
+    found = []
+    for (name, stated), variants in by_test.items():
+        trial, digest = trials[name], digest_of(trials[name])
+        size = 1 if stated else TOGETHER.get(model.engine, 1)
+        # A history is wanted where a measured one is there to compare, in the nominal run.
+        history = stated and trial.history is not None
+        setting = model.engine, model.accuracy_rad, model.dt_s, history, None if stated else SHIFT_M
+        for start in range(0, len(variants), size):
+            some = variants[start : start + size]
+            key = key_of(digest, repr(some), None if stated else seed, setting, of_code)
+            # The motion is read once, for all processes.
+            made = [
+                partial(scene_of, trial, each, seed, motion_of(trial, each.inputs, fewer=not stated)) for each in some
+            ]
+            asked = model.engine, model.accuracy_rad, model.dt_s, history, stated
+            runs = [RunRequest(each, *asked) for each in made]
+            if stated:
+                task = Task(key, run_request, runs[0], model.engine, lost_answer)
+            else:
+                # Draws that are together go to a worker by few, those alone by as many as nominal runs.
+                group = f"{model.engine} draws" if size > 1 else model.engine
+                task = Task(key, run_draws, runs, group, lost_draws, len(some))
+            found.append(TrialTask(task, trial, some))
+    return found
+
+
+def run_draws(wanted: Sequence[RunRequest]) -> TaskResult:
+    """Run each for its outcome and peak."""
+    begin, inside_s, runs = time.perf_counter(), 0.0, []
+    options = RunOptions(history=False, stated=False)
+    for each in wanted:
+        scene, start = each.made(), time.perf_counter()
+        runs.append(simulate(scene, each.engine, accuracy_rad=each.accuracy_rad, dt_s=each.dt_s, options=options))
+        inside_s += time.perf_counter() - start
+    return _drawn(runs, time.perf_counter() - begin, inside_s)
+
+
+def lost_draws(wanted: Sequence[RunRequest], crash: Crash) -> TaskResult:
+    """The answer of draws whose worker died or hung."""
+    return _drawn([lost_run(each.engine, crash) for each in wanted], 0.0, 0.0)
+
+
+def _drawn(runs: Sequence[Run], seconds: float, inside_s: float) -> TaskResult:
+    kept: dict[str, JsonValue] = {
+        "outcome": [each.outcome.value for each in runs],
+        "peak_theta_rad": [each.peak_theta_rad for each in runs],
+    }
+    return TaskResult(DRAWS, kept, seconds, inside_s=inside_s, failed=sum(each.outcome.failed for each in runs))

@@ -36,8 +36,8 @@ from harness.model import (
     require,
     rotations,
 )
-from harness.questions.validate.jobs import Model
 from harness.questions.validate.measured_set import MeasuredSet, Rows, by_name, read_groups, target_of, thrown
+from harness.questions.validate.scenes import Model
 from harness.records.validation import MeasuredRecord, MeasuredTable
 
 PLACE: Final = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
@@ -356,8 +356,8 @@ def scored_tosses(measured: MeasuredSet) -> MeasuredRecord:
     fitting, rest = ([tosses[k] for k in numbers] for numbers in measured.shares(len(tosses)))
     rows: dict[str, Rows] = {name: [] for name in TABLES}
     found = [] if clock is None or clock.rate_hz == clock.stated_hz else [caution("clock_calibrated", **vars(clock))]
-    raised = quartiles([toss.raised_m for toss in tosses])
-    found.append(info("tosses_raised", **dict(zip(("low_m", "median_m", "high_m"), raised, strict=True))))
+    low_m, median_m, high_m = quartiles([toss.raised_m for toss in tosses])
+    found.append(info("tosses_raised", low_m=low_m, median_m=median_m, high_m=high_m))
     for model in models:
         for fitted_on in (TRAJECTORY, VELOCITIES):
             found += _score(measured, model, fitted_on, fitting, rest, rows)
@@ -378,13 +378,10 @@ def _answer(means: Rows, asked: int) -> Answer:
     best = min(known, key=lambda row: float(row["place_percent"] or 0.0), default=None)
     if best is None:
         return Answer("no_answer", [info("no_answer", asked=asked)])
-    share = {name: 0.01 * float(best[name] or 0.0) for name in ("place_percent", "place_sd_percent")}
-    turn = [math.radians(float(best[name] or 0.0)) for name in ("rotation_deg", "rotation_sd_deg")]
-    values = {"place_share": share["place_percent"], "place_share_sd": share["place_sd_percent"]}
-    return Answer(
-        "tosses",
-        [info("tosses_nearest", model=best["model"], **values, rotation_rad=turn[0], rotation_rad_sd=turn[1])],
-    )
+    share, share_sd = (0.01 * float(best[name] or 0.0) for name in ("place_percent", "place_sd_percent"))
+    turn, turn_sd = (math.radians(float(best[name] or 0.0)) for name in ("rotation_deg", "rotation_sd_deg"))
+    values = {"place_share": share, "place_share_sd": share_sd, "rotation_rad": turn, "rotation_rad_sd": turn_sd}
+    return Answer("tosses", [info("tosses_nearest", model=best["model"], **values)])
 
 
 def _score(

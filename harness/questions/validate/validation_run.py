@@ -25,25 +25,38 @@ from harness.model import (
     changes_answer,
     grouped,
     info,
+    machine,
     read_each,
     refuse,
     require,
+    versions,
 )
-from harness.model import run as record
-from harness.questions.validate import drops, impact_ratios, tosses
-from harness.questions.validate.fit import Answers, Ask, choose, planned
-from harness.questions.validate.jobs import BATCH, BATCH_OTHERWISE, Drawn, Model, asked_of, parse_model
+from harness.questions.validate import drops, measured_set, tosses
 from harness.questions.validate.measured_set import MeasuredSet, body_alone, header
-from harness.questions.validate.scenes import Intensity, TrialVariant, intensity_of
+from harness.questions.validate.scenes import (
+    BATCH,
+    BATCH_OTHERWISE,
+    Drawn,
+    Model,
+    Trial,
+    TrialVariant,
+    asked_of,
+    intensity_of,
+    parse_model,
+    read_table,
+)
 from harness.questions.validate.scoring import (
+    Answers,
+    Ask,
     ModelAnswers,
+    choose,
     curves,
+    planned,
     repeats_of,
     score_baseline,
     score_model,
     score_pairs,
 )
-from harness.questions.validate.table import Trial, read_table
 from harness.records.base import COMING, PAGES, RECORD, RunCounts, check_folder, check_inputs, write_whole
 from harness.records.scores import Interval
 from harness.records.study import CaseRun
@@ -158,7 +171,8 @@ def run_validation(
     with closing(LocalPool(jobs)) as pool, progress(experiments.name, quiet) as on_progress:
         known = sum(not each.near for each in chosen) * planned(trials, share, samples)
         on_progress(0, known)
-        intensities = _intensities(trials)
+        # This reads every scene, mesh and motion: all mistakes are told before any run.
+        intensities = dict(zip([trial.name for trial in trials], read_each(intensity_of, trials), strict=True))
         with Store(folder / STORE_NAME, "validation") as store:
 
             def told(done: int, expected: int) -> None:
@@ -206,8 +220,8 @@ def run_validation(
         experiments=experiments.name,
         runs=RunCounts(campaign.computed + sum(campaign.reused.values()), campaign.computed),
         seed=seed,
-        versions=record.versions(),
-        machine=record.machine(),
+        versions=versions(),
+        machine=machine(),
         seconds=time.perf_counter() - start,
     )
     result = replace(result, answer=answer_of(result), findings=findings_of(result))
@@ -269,11 +283,6 @@ def _check(folder: Path, samples: int, resume: bool, models: Sequence[Model]) ->
         check_begun(folder, "a validation")
 
 
-def _intensities(trials: Sequence[Trial]) -> dict[str, Intensity]:
-    """Intensities of all tests; this reads every scene, mesh and motion, so that all mistakes come before any run."""
-    return dict(zip([trial.name for trial in trials], read_each(intensity_of, trials), strict=True))
-
-
 def _histories(trials: Sequence[Trial], item: ModelAnswers, store: Store, seed: int) -> list[MeasuredHistory]:
     """Scores against each measured history, which is a history like any other, up to where the run's own error is stated."""
     histories = []
@@ -302,7 +311,7 @@ def _measured(trial: Trial, item: ModelAnswers) -> Measured | None:
 MEASURED: Final[Mapping[str, tuple[About, Sequence[str], Callable[[MeasuredSet], MeasuredRecord]]]] = {
     tosses.COLUMNS[0]: ("tosses", ("body", "engine"), tosses.scored_tosses),
     drops.COLUMNS[0]: ("drops", ("body", "engine", "samples"), drops.scored_drops),
-    impact_ratios.COLUMNS[0]: ("impact_ratios", (), impact_ratios.scored_ratios),
+    measured_set.RATIO_COLUMNS[0]: ("impact_ratios", (), measured_set.scored_ratios),
 }
 """By the first column's name: the kind, the options that it takes beside those of every table, and what scores it."""
 OF_TESTS: Final = ("engine", "samples", "resume", "fit_share")
@@ -356,8 +365,8 @@ def validate_measured(
             source=table.name,
             body=None if body is None else body.name,
             seed=seed,
-            versions=record.versions(),
-            machine=record.machine(),
+            versions=versions(),
+            machine=machine(),
             seconds=0.0,
         )
         result = scored(MeasuredSet(table, base, models or (), samples, seed, pool, on_progress, told))

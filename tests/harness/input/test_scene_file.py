@@ -129,7 +129,7 @@ def test_what_is_missing_is_named(root: Path, override: str, key: str) -> None:
 
 def test_every_scene_and_study_in_the_gallery_is_read(root: Path, data_dir: Path) -> None:
     from harness.input.tables import kind_of, read_model
-    from harness.questions.effects3d.study import KIND, EffectsFile
+    from harness.questions.effects3d import KIND, EffectsFile
     from harness.questions.study import rocking_spectrum
     from harness.questions.study.cases import base_of, expand, load_study
 

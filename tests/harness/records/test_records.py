@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from harness import InputError, RunRecord, StudyRecord
 from harness.model import write_json
 from harness.questions.scene.scene_run import Result, run_scene, write_result
-from harness.questions.study.case_blocks import KeyedRow
+from harness.questions.study.study_record import KeyedRow
 from harness.records.base import KINDS, as_file, class_of, plain, read_result, schema_of, validated
 from reports.cli import app
 from tests.reports.every_kind import WRITERS

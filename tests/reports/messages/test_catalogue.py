@@ -11,9 +11,8 @@ from harness import Outcome, Verdict
 from harness.input.tables import ASSUMPTIONS
 from harness.model import SKIPS, Answer, Finding, caution, changes_answer, info, texted, weighed
 from harness.questions.assess.options import PAIRS
-from harness.questions.bench.hard_scenes import catalogue
 from harness.questions.bench.standard_scenes import standard_set
-from harness.questions.bench.stress_run import difficulties
+from harness.questions.bench.stress_run import catalogue, difficulties
 from harness.records.bench import TOGETHER, BenchRecord, StressRecord
 from reports.messages import COUNTED, ENGLISH, FIELD, FORMATS, LANGUAGES, OPTIONAL, agreed, language
 

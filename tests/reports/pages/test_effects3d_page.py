@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness.model import Outcome, write_json
-from harness.questions.effects3d.study import answer_of, findings_of
+from harness.questions.effects3d import answer_of, findings_of
 from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
 from reports.blocks import verdict

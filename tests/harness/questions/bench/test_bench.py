@@ -14,7 +14,7 @@ from harness import History, engines
 from harness.comparison.scores import error_rad
 from harness.engines.base import EngineFailure
 from harness.model import SKIPS, RunOptions
-from harness.questions.bench import precision, scaling, skips
+from harness.questions.bench import bench_run
 from harness.questions.bench.bench_run import BENCH
 from harness.questions.bench.parts import cost, costs, head, peak_memory_mb, processor_s
 from harness.questions.bench.standard_scenes import COLUMN, Standard, resolved, scene_of, standard_set
@@ -44,7 +44,7 @@ ROWS = [
 
 
 def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() -> None:
-    found = precision.choice(ROWS, 1e-3)[0]
+    found = bench_run.choice(ROWS, 1e-3)[0]
     assert found.fixed_s == pytest.approx(0.2)
     assert found.share == pytest.approx(0.202 / 0.2)
     assert found.worst_times == pytest.approx(2.0)
@@ -54,32 +54,32 @@ def test_the_choice_is_compared_with_the_fixed_level_that_meets_every_scene() ->
 def test_a_level_is_known_by_its_place() -> None:
     other = [replace(item, label=f"{item.label}, {item.scene}") for item in ROWS if item.group == "level"]
     asked = [item for item in ROWS if item.group != "level"]
-    assert precision.choice([*other, *asked], 1e-3) == precision.choice(ROWS, 1e-3)
+    assert bench_run.choice([*other, *asked], 1e-3) == bench_run.choice(ROWS, 1e-3)
 
 
 def test_no_fixed_level_is_said() -> None:
     worse = [replace(item, error_rad=1.0) if item.scene == "hard" else item for item in ROWS]
-    found = precision.choice(worse, 1e-3)[0]
+    found = bench_run.choice(worse, 1e-3)[0]
     assert found.fixed_s is None
     assert found.worst_scene == "easy"
     assert found.met == 1
 
 
 def test_the_slowest_scene_of_the_fastest_level_that_meets_the_target() -> None:
-    assert precision.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
-    assert precision.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
+    assert bench_run.fastest(ROWS, 1e-3) == {"pymunk": (pytest.approx(10.0), "hard")}
+    assert bench_run.fastest(ROWS, 1e-6)["pymunk"][0] == 0.0
 
 
 def test_findings_follow_the_rows() -> None:
-    (met,) = precision.speeds(ROWS, 1e-3)
+    (met,) = bench_run.speeds(ROWS, 1e-3)
     assert (met.code, met.values["scene"], met.values["factor"]) == ("meets_target", "hard", pytest.approx(10.0))
-    assert [each.code for each in precision.speeds(ROWS, 1e-6)] == ["misses_target"]
-    (takes,) = precision.takes(precision.choice(ROWS, 1e-3), 1e-3)
+    assert [each.code for each in bench_run.speeds(ROWS, 1e-6)] == ["misses_target"]
+    (takes,) = bench_run.takes(bench_run.choice(ROWS, 1e-3), 1e-3)
     assert (takes.engine, takes.values["met"], takes.values["worst_scene"]) == ("pymunk", 2, "easy")
     together = SkipRow("all together", "pymunk", 6, 1.0, 1.5)
-    (gain,) = skips.together_findings([together])
+    (gain,) = bench_run.together_findings([together])
     assert (gain.code, gain.values["gain"]) == ("skips_gain", 1.5)
-    (change,) = skips.together_findings([replace(together, changed=("a: b",))])
+    (change,) = bench_run.together_findings([replace(together, changed=("a: b",))])
     assert (change.code, change.values["changed"]) == ("skips_change", ["a: b"])
 
 
@@ -95,7 +95,7 @@ def test_an_error_is_seen() -> None:
 
 def test_rows_of_an_engine_its_defaults_and_another_project() -> None:
     ready("pybullet")
-    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True))
+    rows = list(bench_run.rows_of(FREE, FREE.scene(), ["pymunk", "pybullet"], quick=True))
     rows += engine_defaults.rows_of(FREE, FREE.scene())
     groups = {(item.engine, item.group) for item in rows}
     assert {
@@ -121,7 +121,7 @@ def test_a_failing_level_stays_as_a_row(monkeypatch: pytest.MonkeyPatch) -> None
         raise EngineFailure("no such scene for me")
 
     monkeypatch.setattr(Munk2D, "simulate", refuses)
-    rows = list(precision.rows_of(FREE, FREE.scene(), ["pymunk"], quick=True))
+    rows = list(bench_run.rows_of(FREE, FREE.scene(), ["pymunk"], quick=True))
     assert rows
     assert {item.failed for item in rows} == {"no such scene for me"}
 
@@ -131,12 +131,12 @@ def test_scenes_without_their_files_are_named(monkeypatch: pytest.MonkeyPatch) -
     found, absent = resolved(standard_set())
     assert {item.name for item, _ in found} | set(absent) == {item.name for item in standard_set()}
     assert len(absent) == 5
-    (row,) = skips.compute("all together: analytic: block, elcentro1940")
+    (row,) = bench_run.skip_rows("all together: analytic: block, elcentro1940")
     assert "elcentro1940" in row.failed
-    assert skips.together([row])[0].failed == row.failed
-    assert "elcentro1940" in skips.compute("no_history: analytic")[0].failed
-    (nobody,) = precision.of(True, next(iter(absent)))
-    assert (nobody.engine, nobody.failed) == (precision.NOBODY, absent[nobody.scene])
+    assert bench_run.together([row])[0].failed == row.failed
+    assert "elcentro1940" in bench_run.skip_rows("no_history: analytic")[0].failed
+    (nobody,) = bench_run.precision_rows(True, next(iter(absent)))
+    assert (nobody.engine, nobody.failed) == (bench_run.NOBODY, absent[nobody.scene])
 
 
 def test_cost_is_the_least_of_several() -> None:
@@ -150,8 +150,11 @@ def test_cost_is_the_least_of_several() -> None:
 def test_skips_change_no_outcome_on_a_real_record(data_dir: object, name: str) -> None:
     engine = engines.load(name)
     outcomes = set()
-    for scene in skips.outcome_scenes(skips.STUDY, (1.1, 6.0)):
-        on, off = skips.simulate(engine, scene, skips.ALL), skips.simulate(engine, scene, skips.NONE)
+    for scene in bench_run.outcome_scenes(bench_run.STUDY, (1.1, 6.0)):
+        on, off = (
+            bench_run.run_on_level(engine, scene, bench_run.ALL),
+            bench_run.run_on_level(engine, scene, bench_run.NONE),
+        )
         assert on.outcome is off.outcome, scene.title
         assert on.history is None
         outcomes.add(on.outcome.value)
@@ -166,8 +169,8 @@ def test_a_scene_of_the_set_is_a_scene_file() -> None:
 
 def test_every_skip_of_every_engine_is_measured_alone() -> None:
     declared = {(skip, name) for name in engines.REGISTRY for skip in engines.load(name).capabilities.skips}
-    assert {(skip, name) for skip, named in skips.CASES.items() for name in named} == declared
-    measured = {task.partition(": ")[0] for task in skips.alone_tasks(False)}
+    assert {(skip, name) for skip, named in bench_run.CASES.items() for name in named} == declared
+    measured = {task.partition(": ")[0] for task in bench_run.alone_tasks(False)}
     assert measured == set(SKIPS), "what no engine declares is measured too"
 
 
@@ -177,11 +180,11 @@ def test_skips_that_gain_nothing_or_move_a_rotation_are_told() -> None:
         plain, replace(plain, skip="no_history", off_s=1.01), replace(plain, skip="mirror", apart_rad=2e-3),
         replace(plain, skip="cached", changed=("computed again",)), SkipRow("planar", "*", failed="no record"),
     ]  # fmt: skip
-    alone, parts, changes = skips.alone_findings(rows)
+    alone, parts, changes = bench_run.alone_findings(rows)
     assert alone.values == {"gaining": 3, "measured": 4, "idle": ["no_history (pymunk)"]}
     assert (changes.engine, changes.values) == ("pymunk", {"skip": "cached", "changed": ["computed again"]})
     assert parts.values == {"skip": "mirror", "apart_rad": 2e-3, "own_rad": 1e-3}
-    assert skips.alone_findings([]) == []
+    assert bench_run.alone_findings([]) == []
 
 
 def test_the_rows_of_a_study_are_summed_by_engine() -> None:
@@ -190,21 +193,21 @@ def test_the_rows_of_a_study_are_summed_by_engine() -> None:
         replace(rows[0], changed=("a",), outcomes=("lift_off",)),
         replace(rows[0], engine="analytic", failed="why"),
     ]
-    both, failed = skips.together([*rows, replace(rows[0], engine="analytic")])
+    both, failed = bench_run.together([*rows, replace(rows[0], engine="analytic")])
     assert both == SkipRow("all together", "pymunk", 6, 2.0, 8.0, ("a",), outcomes=("lift_off", "stands"))
     assert both.gain == 4.0
     assert failed.failed == "why"
     alone = [replace(rows[0], apart_rad=1e-6, own_rad=1e-5, steps=(3, 4))]
-    (row,) = skips.together([*alone, replace(alone[0], apart_rad=2e-6, own_rad=0.0, steps=(1, 2))])
+    (row,) = bench_run.together([*alone, replace(alone[0], apart_rad=2e-6, own_rad=0.0, steps=(1, 2))])
     assert (row.apart_rad, row.own_rad, row.steps) == (2e-6, 1e-5, [4, 6])
 
 
 def test_the_own_error_of_a_run_is_what_its_finer_settings_change() -> None:
     engine, scene = engines.load("pymunk"), FREE.scene()
-    run = skips.simulate(engine, scene, skips.NONE, skips.RESOLVED_RAD)
-    (verification,) = engine.verification_settings(scene, skips.level(engine, scene, skips.RESOLVED_RAD))
-    finer = engine.simulate(scene, verification, skips.NONE)
-    assert skips.own_error_rad(engine, scene, skips.NONE, run) == skips.difference(run, finer) > 0.0
+    run = bench_run.run_on_level(engine, scene, bench_run.NONE, bench_run.RESOLVED_RAD)
+    (verification,) = engine.verification_settings(scene, bench_run.level(engine, scene, bench_run.RESOLVED_RAD))
+    finer = engine.simulate(scene, verification, bench_run.NONE)
+    assert bench_run.own_error_rad(engine, scene, bench_run.NONE, run) == bench_run.difference(run, finer) > 0.0
 
 
 def test_how_time_grows_is_told_from_the_largest_two() -> None:
@@ -213,11 +216,11 @@ def test_how_time_grows_is_told_from_the_largest_two() -> None:
 
     rows = [point("duration_s", 2.0, 0.9), point("duration_s", 8.0, 1.0), point("duration_s", 32.0, 4.0)]
     rows += [point("workers", 1.0, 3.0), point("workers", 2.0, 2.0), point("runs", 100.0, 1.0)]
-    grows, faster = scaling.findings(rows)
+    grows, faster = bench_run.scaling_findings(rows)
     assert (grows.engine, grows.values["quantity"]) == ("pymunk", "duration_s")
     assert grows.values["power"] == pytest.approx(1.0)
     assert faster.values == {"workers": 2.0, "fewer": 1.0, "times": 1.5}
-    assert scaling.findings([]) == []
+    assert bench_run.scaling_findings([]) == []
 
 
 def test_the_memory_of_workers_is_counted() -> None:
@@ -254,7 +257,7 @@ def test_a_run_is_not_judged_by_itself() -> None:
     engine = engines.load("pymunk")
     scene = FREE.scene()
     judge = engine.simulate(scene, engine.refinement_levels(scene)[0], RunOptions())
-    row = precision._chosen(PrecisionRow("pymunk", "short", "accuracy", ""), judge, judge, cost(lambda: None))
+    row = bench_run._chosen(PrecisionRow("pymunk", "short", "accuracy", ""), judge, judge, cost(lambda: None))
     assert row.error_rad is None
     assert "judged" in row.failed
 
@@ -273,7 +276,7 @@ def test_a_study_that_failed_is_no_gain_of_its_store(monkeypatch: pytest.MonkeyP
         failed: int = 0
 
     monkeypatch.setattr(study, "run_study", lambda *args: Summary())
-    assert skips.compute("cached: analytic")[0].changed == ()
+    assert bench_run.skip_rows("cached: analytic")[0].changed == ()
     monkeypatch.setattr(study, "run_study", lambda *args: Summary(failed=16))
-    (row,) = skips.compute("cached: analytic")
+    (row,) = bench_run.skip_rows("cached: analytic")
     assert row.changed == ("16 of the runs failed",)

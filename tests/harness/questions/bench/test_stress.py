@@ -10,9 +10,9 @@ import pytest
 
 from harness import History, Outcome, Run, RunOptions, Scene, engines
 from harness.engines.base import Settings
-from harness.questions.bench import hard_scenes, stress_run
-from harness.questions.bench.hard_scenes import catalogue, converged, leaning
+from harness.questions.bench import stress_run
 from harness.questions.bench.standard_scenes import COLUMN, PAESTUM, PEDESTAL, harmonic, scene_of
+from harness.questions.bench.stress_run import catalogue, converged, leaning
 from harness.records.bench import HardRow, Measure, PartRow, StabilityCell, StressRecord, findings_of
 from tests import doubles
 from tests.measures import invariance_checks as invariance
@@ -37,7 +37,7 @@ def exact(scene: Scene) -> Run:
 @pytest.mark.parametrize("name", QUICK)
 def test_hard_scenes_come_out(name: str) -> None:
     hard = next(item for item in catalogue() if item.name == name)
-    found = hard_scenes.row_of(hard)
+    found = stress_run.row_of(hard)
     assert found.holds, found.got
 
 
@@ -47,7 +47,7 @@ def test_names_of_hard_scenes_are_their_own() -> None:
 
 
 def test_every_hard_scene_is_held_to_the_exact_solution_or_to_rest() -> None:
-    loose = {hard.name for hard in catalogue() if not hard.exact and hard_scenes.creep not in hard.checks}
+    loose = {hard.name for hard in catalogue() if not hard.exact and stress_run.creep not in hard.checks}
     assert loose == {"floor falls at 1 g: the two-block model", "floor falls at 1 g: the engines"}, (
         "only where the two-block model ends is there no exact solution"
     )
@@ -55,17 +55,17 @@ def test_every_hard_scene_is_held_to_the_exact_solution_or_to_rest() -> None:
 
 def test_a_hard_scene_with_another_outcome_or_another_motion_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     hard = next(item for item in catalogue() if item.name == "height to width 50")
-    assert hard_scenes.row_of(hard).holds
-    assert not hard_scenes.row_of(replace(hard, wanted="overturned_left")).holds
-    whole = hard_scenes.simulate
+    assert stress_run.row_of(hard).holds
+    assert not stress_run.row_of(replace(hard, wanted="overturned_left")).holds
+    whole = stress_run.simulate
 
     def unmoved(*given: Any) -> Run:
         run = whole(*given)
         h = run.history
         return replace(run, history=replace(h, theta_rad=0.0 * h.theta_rad))
 
-    monkeypatch.setattr(hard_scenes, "simulate", unmoved)
-    found = hard_scenes.row_of(hard)
+    monkeypatch.setattr(stress_run, "simulate", unmoved)
+    found = stress_run.row_of(hard)
     assert not found.holds
     for measured in found.checks.values():
         (error,) = (each for each in measured if each.check == "error_rad")
@@ -77,13 +77,13 @@ def test_a_known_failure_is_told_with_what_avoids_it_and_an_unknown_one_fails(
 ) -> None:
     hard = next(item for item in catalogue() if item.name.startswith("pedestal 0.001"))
     hard = replace(hard, engines=("pymunk",))
-    found = hard_scenes.row_of(hard)
+    found = stress_run.row_of(hard)
     assert found.holds, found.got
     assert found.known["pymunk"].iterations == 3000
-    assert hard_scenes.all_hold(found.known["pymunk"].checks)
-    assert not hard_scenes.row_of(replace(hard, converged_s=None)).holds
-    monkeypatch.setattr(hard_scenes, "converged", lambda settings: settings)
-    still_wrong = hard_scenes.row_of(hard)
+    assert stress_run.all_hold(found.known["pymunk"].checks)
+    assert not stress_run.row_of(replace(hard, converged_s=None)).holds
+    monkeypatch.setattr(stress_run, "converged", lambda settings: settings)
+    still_wrong = stress_run.row_of(hard)
     assert not still_wrong.holds, "what fails with more iterations too is not known to be theirs"
     assert "energy_gained_j" in {each.check for each in still_wrong.checks["pymunk"] if not each.holds}
 
@@ -98,56 +98,56 @@ def test_so_many_iterations_reach_every_engine() -> None:
         converged(Settings(1e-3, 1e-3))
 
 
-holds = hard_scenes.all_hold
+holds = stress_run.all_hold
 
 
 def test_checks_fail_when_they_must(scene: Scene, exact: Run) -> None:
-    assert all(holds(check(scene, exact)) for check in hard_scenes.BASIC)
-    assert not holds(hard_scenes.finite(scene, replace(exact, peak_theta_rad=float("nan"))))
-    gained = replace(exact, validity={"energy_gained_j": 0.05 * hard_scenes.barrier_j(scene)})
-    assert not holds(hard_scenes.energy(scene, gained))
-    assert not holds(hard_scenes.depth(scene, replace(exact, validity={"penetration_m": 1e-3})))
-    assert not holds(hard_scenes.creep(scene, exact)), "a rocking statue is not at rest"
-    assert not holds(hard_scenes.ends_at_rest(scene, exact))
-    assert not holds(hard_scenes.upright(scene, exact))
+    assert all(holds(check(scene, exact)) for check in stress_run.BASIC)
+    assert not holds(stress_run.finite(scene, replace(exact, peak_theta_rad=float("nan"))))
+    gained = replace(exact, validity={"energy_gained_j": 0.05 * stress_run.barrier_j(scene)})
+    assert not holds(stress_run.energy(scene, gained))
+    assert not holds(stress_run.depth(scene, replace(exact, validity={"penetration_m": 1e-3})))
+    assert not holds(stress_run.creep(scene, exact)), "a rocking statue is not at rest"
+    assert not holds(stress_run.ends_at_rest(scene, exact))
+    assert not holds(stress_run.upright(scene, exact))
 
 
 @pytest.mark.parametrize(("share", "right"), [(0.04, True), (0.06, False)])
 def test_an_error_is_held_to_a_share_of_the_peak(share: float, right: bool) -> None:
     small = scene_of("small", leaning(COLUMN, 0.05, 0.6))
-    exact = hard_scenes.solution(small)
+    exact = stress_run.solution(small)
     h = exact.history
     off = replace(h, theta_rad=h.theta_rad + share * exact.peak_theta_rad)
-    assert hard_scenes.allowed_rad(exact) == pytest.approx(0.05 * exact.peak_theta_rad)
-    assert hard_scenes.all_hold(hard_scenes.agrees(small, replace(exact, history=off), exact)) is right
+    assert stress_run.allowed_rad(exact) == pytest.approx(0.05 * exact.peak_theta_rad)
+    assert stress_run.all_hold(stress_run.agrees(small, replace(exact, history=off), exact)) is right
 
 
 @pytest.mark.parametrize(("off_rad", "right"), [(9e-4, True), (1.1e-3, False)])
 def test_no_error_beyond_a_milliradian_is_allowed(scene: Scene, exact: Run, off_rad: float, right: bool) -> None:
     h = exact.history
-    assert hard_scenes.AGREES_SHARE * exact.peak_theta_rad > 2e-3
+    assert stress_run.AGREES_SHARE * exact.peak_theta_rad > 2e-3
     off = replace(h, theta_rad=h.theta_rad + off_rad)
-    assert hard_scenes.all_hold(hard_scenes.agrees(scene, replace(exact, history=off), exact)) is right
+    assert stress_run.all_hold(stress_run.agrees(scene, replace(exact, history=off), exact)) is right
 
 
 def test_a_slip_that_is_not_the_exact_one_is_seen() -> None:
     slides = {"floor_static": 0.0, "floor_kinetic": 0.0}
     sliding = scene_of("s", {"duration_s": 0.4, "statue": PAESTUM, "pedestal": PEDESTAL, "contact": slides,
                              "motion": harmonic(0.429, 3.0)})  # fmt: skip
-    exact = hard_scenes.solution(sliding)
+    exact = stress_run.solution(sliding)
     h = exact.history
     assert exact.peak_slip_m > 0.01
-    assert holds(hard_scenes.agrees(sliding, exact, exact))
+    assert holds(stress_run.agrees(sliding, exact, exact))
     held = replace(h, slip_m=0.9 * h.slip_m)
-    assert not holds(hard_scenes.agrees(sliding, replace(exact, history=held), exact))
+    assert not holds(stress_run.agrees(sliding, replace(exact, history=held), exact))
 
 
 def test_an_error_counts_as_long_as_the_two_block_model_holds(scene: Scene, exact: Run) -> None:
     left = replace(exact, validity={**exact.validity, "left_domain_s": 0.2})
     h = exact.history
     late = replace(h, theta_rad=h.theta_rad + 0.1 * (h.t_s > 0.3))
-    assert not holds(hard_scenes.agrees(scene, replace(exact, history=late), exact))
-    (found,) = hard_scenes.agrees(scene, replace(exact, history=late), left)
+    assert not holds(stress_run.agrees(scene, replace(exact, history=late), exact))
+    (found,) = stress_run.agrees(scene, replace(exact, history=late), left)
     assert found.holds
     assert found.until_s == 0.2
 
@@ -155,14 +155,14 @@ def test_an_error_counts_as_long_as_the_two_block_model_holds(scene: Scene, exac
 def test_energy_from_out_of_the_plane_is_told_from_energy_of_contacts(scene: Scene, exact: Run) -> None:
     h = exact.history
     zero = np.zeros_like(h.t_s)
-    gained = {"energy_gained_j": 0.05 * hard_scenes.barrier_j(scene)}
+    gained = {"energy_gained_j": 0.05 * stress_run.barrier_j(scene)}
     turning = {"yaw_rad": 2.0 * h.t_s, "roll_rad": zero, "statue_y_m": zero}
     for extra, right in (({**turning, "yaw_rad": zero}, False), (turning, True)):
         history = replace(h, extra=extra)
-        (found,) = hard_scenes.energy(scene, replace(exact, validity=gained, history=history))
+        (found,) = stress_run.energy(scene, replace(exact, validity=gained, history=history))
         assert found.holds is right
     yaw_inertia = scene.statue.inertia_tensor_kg_m2[2, 2]
-    assert hard_scenes.beyond_plane_j(scene, replace(exact, history=history)) == pytest.approx(2.0 * yaw_inertia)
+    assert stress_run.beyond_plane_j(scene, replace(exact, history=history)) == pytest.approx(2.0 * yaw_inertia)
 
 
 def still(drift_rad: float) -> History:
@@ -172,17 +172,17 @@ def still(drift_rad: float) -> History:
 
 
 def test_creep_is_told_from_trembling(scene: Scene, exact: Run) -> None:
-    assert holds(hard_scenes.creep(scene, replace(exact, history=still(1e-7), end_s=10.0)))
-    assert not holds(hard_scenes.creep(scene, replace(exact, history=still(1e-5), end_s=10.0)))
+    assert holds(stress_run.creep(scene, replace(exact, history=still(1e-7), end_s=10.0)))
+    assert not holds(stress_run.creep(scene, replace(exact, history=still(1e-5), end_s=10.0)))
     calm = still(0.0)
     zero = np.zeros_like(calm.t_s)
     slides = History(calm.t_s, calm.theta_rad, zero, 1e-5 * calm.t_s / 10.0, zero)
-    assert not holds(hard_scenes.creep(scene, replace(exact, history=slides, end_s=10.0)))
+    assert not holds(stress_run.creep(scene, replace(exact, history=slides, end_s=10.0)))
     trembling = History(calm.t_s, 1e-3 * np.sin(50.0 * calm.t_s), zero, zero, zero)
-    assert not holds(hard_scenes.creep(scene, replace(exact, history=trembling, end_s=10.0))), "it trembles too much"
+    assert not holds(stress_run.creep(scene, replace(exact, history=trembling, end_s=10.0))), "it trembles too much"
     short = replace(exact, history=still(5e-7), end_s=10.0)
-    assert holds(hard_scenes.creep(scene, short))
-    assert not holds(hard_scenes.creep(scene, short, share=0.1)), "a tenth of the time may drift by a tenth"
+    assert holds(stress_run.creep(scene, short))
+    assert not holds(stress_run.creep(scene, short, share=0.1)), "a tenth of the time may drift by a tenth"
 
 
 def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
@@ -194,7 +194,7 @@ def test_a_cell_is_judged_by_its_numbers(scene: Scene, exact: Run) -> None:
     assert judged(exact).category == "stable"
     wrong = replace(h, theta_rad=1.1 * h.theta_rad)
     assert judged(replace(exact, history=wrong)).category == "inaccurate"
-    gained = replace(exact, validity={"energy_gained_j": hard_scenes.barrier_j(scene)})
+    gained = replace(exact, validity={"energy_gained_j": stress_run.barrier_j(scene)})
     assert judged(gained).category == "drifting"
     sunk = replace(exact, validity={"penetration_m": 0.01})
     assert judged(sunk).category == "drifting"
@@ -327,9 +327,9 @@ def test_a_fall_exchanges_what_its_own_corner_lets_it_fall() -> None:
     """An unsymmetric block lies lower on one side; runs state the size of their largest rotation, not its side."""
     given = paestum(0.4, 2.0)
     for outcome, side in ((Outcome.OVERTURNED_LEFT, -1), (Outcome.OVERTURNED_RIGHT, 1)):
-        fallen = hard_scenes.exchanged_j(
+        fallen = stress_run.exchanged_j(
             given, doubles.run_of(None, outcome=outcome, peak_theta_rad=1.5)
-        ) - hard_scenes.barrier_j(given)
+        ) - stress_run.barrier_j(given)
         corner, height = given.statue.corner_m(side), given.statue.centroid_height_m
         arm, alpha = math.hypot(corner, height), math.atan2(corner, height)
         assert fallen == pytest.approx(given.statue.mass_kg * given.gravity_m_s2 * arm * (1.0 - math.cos(1.5 - alpha)))

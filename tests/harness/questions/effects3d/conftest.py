@@ -6,7 +6,7 @@ import pytest
 
 import harness
 from harness.model import Scene
-from harness.questions.effects3d.search import with_solid
+from harness.questions.effects3d import with_solid
 from meshes import solid_from_mesh
 from tests.meshes.shapes import box
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.model import Scene
-from harness.questions.effects3d.search import CONDITIONS, changed_scene, turned
+from harness.questions.effects3d import CONDITIONS, changed_scene, turned
 from harness.records.effects3d import BASELINE
 from meshes import footprint
 

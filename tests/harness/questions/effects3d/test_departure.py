@@ -9,7 +9,7 @@ import harness
 from analytic.excitation import Pulse, SampledAcceleration
 from harness.engines import load
 from harness.model import Array, BaseExcitation, RunOptions, Scene
-from harness.questions.effects3d.search import changed_scene, departure, with_solid
+from harness.questions.effects3d import changed_scene, departure, with_solid
 from harness.records.effects3d import BASELINE
 from tests.budgets_meshes import SAME_PLANE_RAD
 

@@ -8,8 +8,8 @@ import pytest
 
 import harness
 from harness import Outcome, Scene
-from harness.questions.effects3d import search
-from harness.questions.effects3d.search import (
+from harness.questions import effects3d
+from harness.questions.effects3d import (
     Search,
     SpaceOutcomes,
     amplified,
@@ -81,7 +81,7 @@ def test_a_fall_before_a_flat_base_would_lift_is_bracketed_from_where_it_stands(
     """An uneven base rocks at less: the amplitude was that from which the search began, and stood at 0 g."""
     known = find(block, BASELINE, 0.0, "analytic", SEARCH)
     above = 1.3 * (known.peak_g or math.nan)
-    monkeypatch.setattr(search, "start_factor", lambda scene: above / peak_g(scene))
+    monkeypatch.setattr(effects3d, "start_factor", lambda scene: above / peak_g(scene))
     found = find(block, BASELINE, 0.0, "analytic", SEARCH, 1.2 * above)
     assert found.peak_g == pytest.approx(known.peak_g, rel=2 * SEARCH.resolution)
     assert 0.0 < found.stands_at_g < known.peak_g

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from harness.model import Scene
-from harness.questions.effects3d.search import Search
-from harness.questions.effects3d.study import (
+from harness.questions.effects3d import (
     WORK,
     EffectsFile,
+    Search,
     answers_of,
     checked_azimuths,
     effects,

@@ -12,9 +12,9 @@ import pytest
 
 from analytic.block import AnalyticInputError
 from harness import InputError, StudyRecord
-from harness.questions.study import case_blocks
-from harness.questions.study.case_blocks import coarser, every_row, table
+from harness.questions.study import study_run
 from harness.questions.study.cases import CaseScenes, load_study
+from harness.questions.study.study_record import coarser, every_row, table
 from harness.questions.study.study_run import run_study, study_name
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, PlannedRow, Store
@@ -75,8 +75,8 @@ RECORD = '[motion.x]\nkind = "record"\nfile = "shaking.csv"\nunit = "g"\n'
 
 @pytest.fixture(autouse=True)
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(case_blocks, "LEAST_RUNS", 1)
-    monkeypatch.setattr(case_blocks, "BLOCK", 25)
+    monkeypatch.setattr(study_run, "LEAST_RUNS", 1)
+    monkeypatch.setattr(study_run, "BLOCK", 25)
 
 
 def columns(path: Path, store: Store) -> list[PlannedRow]:
@@ -91,7 +91,7 @@ def both(path: Path, folder: Path) -> tuple[list[PlannedRow], list[PlannedRow]]:
     with Store(folder / "columns.sqlite") as store:
         rows = columns(path, store)
     with Store(folder / "rows.sqlite") as store, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(case_blocks, "LEAST_RUNS", study.runs + 1)
+        patch.setattr(study_run, "LEAST_RUNS", study.runs + 1)
         run_study(study, path, store, InlinePool())
         return list(store.rows(study_name(study))), rows
 
@@ -132,7 +132,7 @@ def test_a_case_that_is_no_scene_is_refused_in_the_same_words(tmp_path: Path, mo
     path = written(tmp_path, STUDY.replace("stop = 4.0", "stop = 4e9"))
     said = []
     for least in (1, 1000):
-        monkeypatch.setattr(case_blocks, "LEAST_RUNS", least)
+        monkeypatch.setattr(study_run, "LEAST_RUNS", least)
         with pytest.raises(InputError) as error, Store(tmp_path / f"{least}.sqlite") as store:
             run_study(load_study(path), path, store, InlinePool())
         said.append(str(error.value))
@@ -143,7 +143,7 @@ def test_a_case_that_is_no_scene_is_refused_in_the_same_words(tmp_path: Path, mo
 def test_an_export_is_the_same_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path)
     for name, least in (("columns", 1), ("rows", 1000)):
-        monkeypatch.setattr(case_blocks, "LEAST_RUNS", least)
+        monkeypatch.setattr(study_run, "LEAST_RUNS", least)
         for end in ("csv", "parquet"):
             record = studies.run(
                 path, tmp_path / name, pool=InlinePool(), quiet=True, export=tmp_path / f"{name}.{end}"
@@ -175,8 +175,8 @@ import sys
 from pathlib import Path
 from reports.cli import studies
 from harness.runs.runner import InlinePool
-from harness.questions.study import case_blocks
-case_blocks.LEAST_RUNS, case_blocks.BLOCK = 1, 3
+from harness.questions.study import study_run
+study_run.LEAST_RUNS, study_run.BLOCK = 1, 3
 studies.run(Path(sys.argv[1]), Path(sys.argv[2]), pool=InlinePool(), quiet=True)
 """
 
@@ -200,7 +200,7 @@ def test_what_was_finished_outlives_a_kill(tmp_path: Path, monkeypatch: pytest.M
     process.wait()
     before = finished(out / STORE_NAME)
     assert len(before) >= 2
-    monkeypatch.setattr(case_blocks, "BLOCK", 3)
+    monkeypatch.setattr(study_run, "BLOCK", 3)
     record = studies.run(path, out, pool=InlinePool(), quiet=True, resume=True)
     assert isinstance(record, StudyRecord)
     assert record.summary.found >= 3 * len(before), "what was whole is kept"
@@ -232,8 +232,8 @@ def test_what_a_witness_judges_stays_rows(tmp_path: Path) -> None:
 
 def test_few_cases_or_other_questions_stay_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path)
-    base = case_blocks.BaseScene(path, {})
-    assert case_blocks.in_columns(load_study(path), base)
+    base = study_run.BaseScene(path, {})
+    assert study_run.in_columns(load_study(path), base)
     for old, new in (
         ('engines = ["analytic"]', 'engines = ["analytic", "pymunk"]'),
         ("[[variant]]", "[ask]\nhistories = true\n[[variant]]"),
@@ -242,7 +242,7 @@ def test_few_cases_or_other_questions_stay_rows(tmp_path: Path, monkeypatch: pyt
     ):
         text = new.replace("[[variant]]", "") + STUDY if new.startswith("claims") else STUDY.replace(old, new)
         path.write_text(text)
-        assert not case_blocks.in_columns(load_study(path), base), new
+        assert not study_run.in_columns(load_study(path), base), new
     path.write_text(STUDY)
-    monkeypatch.setattr(case_blocks, "LEAST_RUNS", 61)
-    assert not case_blocks.in_columns(load_study(path), base)
+    monkeypatch.setattr(study_run, "LEAST_RUNS", 61)
+    assert not study_run.in_columns(load_study(path), base)

@@ -7,9 +7,8 @@ import pytest
 
 from harness import History, Outcome, Verdict
 from harness.model import to_plain
-from harness.questions.study.case_blocks import KeyedRow
+from harness.questions.study.study_record import KeyedRow, score_sets
 from harness.questions.study.study_record import _falls as falls_in
-from harness.questions.study.study_record import score_sets
 from harness.records.study import CaseRun
 from tests import doubles
 

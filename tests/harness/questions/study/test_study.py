@@ -11,8 +11,8 @@ from harness import InputError, Scene, simulate
 from harness.model import to_plain
 from harness.questions.study import cases as selection
 from harness.questions.study import study_run
-from harness.questions.study.case_blocks import study_rows
 from harness.questions.study.cases import BaseScene, base_of, expand, load_study, recheck
+from harness.questions.study.study_record import study_rows
 from harness.questions.study.study_run import Summary, run_study, study_name
 from harness.records.study import impacts
 from harness.runs.runner import Done, InlinePool, LocalPool, Pool, Work

@@ -10,8 +10,7 @@ import numpy as np
 import trimesh
 
 from harness import Outcome, RunOptions, simulate
-from harness.questions.validate.scenes import TrialVariant, scene_of
-from harness.questions.validate.table import Inputs, Trial
+from harness.questions.validate.scenes import Inputs, Trial, TrialVariant, scene_of
 from harness.questions.validate.validation_run import run_validation
 from harness.records.base import as_file
 

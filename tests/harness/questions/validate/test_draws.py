@@ -8,9 +8,19 @@ import pytest
 
 from analytic.excitation import SampledAcceleration, ZeroExcitation
 from harness import Outcome, RunOptions, simulate
-from harness.questions.validate.jobs import Drawn, asked_of, lost_draws, parse_model
-from harness.questions.validate.scenes import SHIFT_M, TrialVariant, motion_of, scene_of, thinned
-from harness.questions.validate.table import Inputs, read_table
+from harness.questions.validate.scenes import (
+    SHIFT_M,
+    Drawn,
+    Inputs,
+    TrialVariant,
+    asked_of,
+    lost_draws,
+    motion_of,
+    parse_model,
+    read_table,
+    scene_of,
+    thinned,
+)
 from harness.records.study import CaseRun
 from harness.runs.runner import Crash
 from tests.harness.questions.validate.experiments import variant, write_experiments

@@ -10,7 +10,7 @@ import pytest
 
 from harness import InputError, load_scene, simulate
 from harness.model import Contact, Scene
-from harness.questions.validate import drops, impact_ratios
+from harness.questions.validate import drops, measured_set
 from harness.questions.validate.drops import (
     TURNS,
     Drop,
@@ -23,9 +23,8 @@ from harness.questions.validate.drops import (
     scene_of,
     turns_by_drop,
 )
-from harness.questions.validate.impact_ratios import read_ratios, repeats_sd
-from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.measured_set import by_name
+from harness.questions.validate.measured_set import by_name, read_ratios, repeats_sd
+from harness.questions.validate.scenes import parse_model
 from harness.questions.validate.validation_run import kind_of, validate_measured
 from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH, LANGUAGES, language
@@ -180,7 +179,7 @@ def test_a_set_of_drops_is_scored_and_told(tmp_path: Path, root: Path, square: S
 
 def ratios(folder: Path, rows: list[str]) -> Path:
     path = folder / "ratios.csv"
-    path.write_text("\n".join([",".join(impact_ratios.COLUMNS), *rows]) + "\n", encoding="utf-8")
+    path.write_text("\n".join([",".join(measured_set.RATIO_COLUMNS), *rows]) + "\n", encoding="utf-8")
     return path
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from harness.comparison.statistics import FELL
-from harness.questions.validate.table import read_table
+from harness.questions.validate.scenes import read_table
 from reports.pages.page import write_report
 from tests.harness.questions.validate.experiments import seen, validate, write_table
 

@@ -13,12 +13,13 @@ from harness.questions.validate.scenes import (
     BASE_SD_M,
     FRICTION_SD,
     GRAVITY_M_S2,
+    Trial,
     digest_of,
     intensity,
     intensity_of,
+    read_table,
     scene_of,
 )
-from harness.questions.validate.table import Trial, read_table
 from tests.budgets_compare import QUANTILE_SE, SAMPLED_SINE_REL, TRAPEZOID_REL
 from tests.harness.questions.validate.experiments import BASE, listing, variant, write_experiments, write_table
 

@@ -12,7 +12,16 @@ from scipy import stats
 from harness.comparison.statistics import FELL
 from harness.model import Outcome
 from harness.questions.validate import scoring
-from harness.questions.validate.fit import (
+from harness.questions.validate.scenes import (
+    GRAVITY_M_S2,
+    Inputs,
+    Intensity,
+    Trial,
+    TrialVariant,
+    parse_model,
+    read_table,
+)
+from harness.questions.validate.scoring import (
     COUNTS,
     DRAWS,
     NEAR,
@@ -23,26 +32,21 @@ from harness.questions.validate.fit import (
     Answers,
     Ask,
     FittedInputs,
-    choose,
-    designed,
-    fitted,
-    planned,
-)
-from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.scenes import GRAVITY_M_S2, Intensity, TrialVariant
-from harness.questions.validate.scoring import (
     ModelAnswers,
     best_threshold,
     by_intensity,
     case_of,
     chances,
+    choose,
     contour,
     curves,
+    designed,
+    fitted,
+    planned,
     repeats_of,
     score_baseline,
     score_model,
 )
-from harness.questions.validate.table import Inputs, Trial, read_table
 from harness.records.study import CaseRun
 from tests import doubles
 from tests.budgets_compare import QUANTILE_SE

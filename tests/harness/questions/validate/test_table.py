@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.model import InputError
-from harness.questions.validate.table import COLUMNS, Inputs, read_table
+from harness.questions.validate.scenes import COLUMNS, Inputs, read_table
 from tests.harness.questions.validate.experiments import read_rows, write_experiments, write_table
 
 

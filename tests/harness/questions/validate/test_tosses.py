@@ -13,7 +13,7 @@ from analytic.block import rotation_matrices
 from harness import History, InputError, load_scene, simulate
 from harness.engines.stepping.trajectory import statue_columns
 from harness.model import Pose, Scene
-from harness.questions.validate.jobs import parse_model
+from harness.questions.validate.scenes import parse_model
 from harness.questions.validate.tosses import (
     AFTER_IMPACT,
     COLUMNS,

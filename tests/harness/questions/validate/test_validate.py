@@ -15,10 +15,9 @@ from typer.testing import CliRunner
 
 from harness import InputError, simulate
 from harness.comparison.statistics import FELL
+from harness.model import read_each
 from harness.questions.validate import validation_run as run
-from harness.questions.validate.jobs import parse_model
-from harness.questions.validate.scenes import intensity_of, scene_of
-from harness.questions.validate.table import read_table
+from harness.questions.validate.scenes import intensity_of, parse_model, read_table, scene_of
 from harness.records.validation import Fitted, FittedInput
 from harness.runs.runner import InlinePool
 from reports.cli import app
@@ -34,7 +33,6 @@ from tests.harness.questions.validate.experiments import (
     write_table,
 )
 
-intensities = run._intensities
 AMPLITUDES = (2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0, 10.0)
 TRUE_AZIMUTH_DEG = 90.0
 
@@ -172,7 +170,7 @@ def test_progress_tells_the_whole_plan_before_anything_is_read(tmp_path: Path, m
         yield lambda done, of: told.append((done, of))
 
     monkeypatch.setattr(run, "progress", heard)
-    monkeypatch.setattr(run, "_intensities", lambda trials: told.append((-1, -1)) or intensities(trials))
+    monkeypatch.setattr(run, "read_each", lambda *asked: told.append((-1, -1)) or read_each(*asked))
     found = validate(measured(tmp_path), tmp_path / "out", models=["analytic"], samples=2, quiet=True)
     first, read, *others = told
     assert (first[0], read) == (0, (-1, -1))
