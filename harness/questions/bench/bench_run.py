@@ -55,7 +55,6 @@ from harness.runs.task import call
 
 # Work against precision: every engine on every level, and what a target takes.
 
-
 TARGET_RAD: Final = 1e-3
 LONG_S: Final = 1.0
 """A level is left out (and said so) when the one before it took this long: finer levels show the same line further."""
@@ -197,9 +196,8 @@ def _label(settings: Settings | Mapping[str, object]) -> str:
     plain = settings.as_dict() if isinstance(settings, Settings) else settings
     if "accuracy_rad" in plain:
         return f"{plain['accuracy_rad']:g} rad"
-    parts = [f"{1e3 * number(plain, 'dt_s'):g} ms"]
-    parts += [f"{plain['iterations']} it."] if "iterations" in plain else []
-    return ", ".join(parts)
+    iterations = f", {plain['iterations']} it." if "iterations" in plain else ""
+    return f"{1e3 * number(plain, 'dt_s'):g} ms{iterations}"
 
 
 # What the rows say.
@@ -268,7 +266,6 @@ def takes(choices: Sequence[LevelChoice], target_rad: float) -> list[Finding]:
 
 # What skips gain, and that they change no outcome: all together on an outcome study of real records, and each alone where it
 # applies.
-
 
 RECORDS: Final = {
     "elcentro1940": ("elcentro1940_NS.csv", "a_NS_ms2", 31.18),
@@ -581,7 +578,6 @@ def _planar() -> SkipRow:
 
 # How time and memory grow with duration, mesh vertices, number of runs and workers; each point in a fresh process.
 
-
 Point = tuple[str, str, float]
 
 DURATIONS_S: Final = (2.0, 8.0, 32.0)
@@ -595,9 +591,11 @@ def scaling_tasks(quick: bool) -> list[str]:
     """The points that are timed by processor time, each named by its engine, quantity and value."""
     few = 1 if quick else None
     engines = ("analytic", "pymunk", "pybullet")
-    points = [(engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]]
-    points += [(engine, "mesh_vertices", float(value)) for engine in engines for value in VERTICES[:few]]
-    points += [("analytic", "runs", float(value)) for value in RUNS[:few]]
+    points = [
+        *((engine, "duration_s", value) for engine in engines for value in DURATIONS_S[:few]),
+        *((engine, "mesh_vertices", value) for engine in engines for value in VERTICES[:few]),
+        *(("analytic", "runs", value) for value in RUNS[:few]),
+    ]
     return [f"{engine} {quantity} {value:g}" for engine, quantity, value in points]
 
 
@@ -679,6 +677,9 @@ def scaling_findings(rows: Sequence[ScalingRow]) -> list[Finding]:
             power = math.log(times_s[1] / times_s[0]) / math.log(more.value / less.value)
             found.append(info("time_grows", power=power, quantity=quantity).of(engine))
     return found
+
+
+# All parts, and the record that is made of their rows.
 
 
 def all_parts(quick: bool) -> list[Part]:

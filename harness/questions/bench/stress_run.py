@@ -445,9 +445,8 @@ def lost_map(task: str) -> list[StabilityCell]:
 def _cells_of(row: Difficulty, scene: Scene, engine: Engine, exact: Run, quick: bool) -> Iterator[StabilityCell]:
     if engine.capabilities.certifies:
         for settings in engine.refinement_levels(scene):
-            run = engine.simulate(scene, settings, RunOptions())
-            label = f"{settings.expected_error_rad:g} rad"
-            yield judge(StabilityCell(engine.name, label, row.name, ""), scene, run, exact, row)
+            cell = StabilityCell(engine.name, f"{settings.expected_error_rad:g} rad", row.name, "")
+            yield judge(cell, scene, engine.simulate(scene, settings, RunOptions()), exact, row)
         return
     for step_s in STEPS_S[1:3] if quick else STEPS_S:
         short = step_s == STEPS_S[-1]

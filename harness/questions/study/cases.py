@@ -24,7 +24,6 @@ from harness.records.study import RecheckRecord, StudyRow
 
 # The study file: a base scene, what varies, which engines answer, validated strictly.
 
-
 Value = float | int | str | bool
 EngineName = Literal["analytic", "pymunk", "pybullet", "spatial", "pymunk:plain", "pybullet:plain"]
 Name = Annotated[str, Field(min_length=1)]
@@ -405,7 +404,6 @@ def _make_room(memory: dict[Any, Any], most: int) -> None:
 
 # Which cases an engine is asked (all, those near the boundary of the outcome, or a map refined where it changes), and what
 # random rechecks say of those that were left out.
-
 
 Place = tuple[int, ...]
 Cell = tuple[tuple[int, int], tuple[int, int]]

@@ -99,8 +99,10 @@ class SpectrumFile(UserTable):
 
 def motions_of(spectrum: SpectrumFile, path: Path) -> list[Excitation]:
     """The excitations of all motions. Raises `InputError` that names what is wrong of each."""
-    records = [RecordSpec(kind="record", **source.model_dump()) for source in spectrum.motion]
-    wanted = [SceneMotion(each, path.parent, str(path), f"motion.{number}") for number, each in enumerate(records)]
+    wanted = [
+        SceneMotion(RecordSpec(kind="record", **source.model_dump()), path.parent, str(path), f"motion.{number}")
+        for number, source in enumerate(spectrum.motion)
+    ]
     return [each.excitation for each in read_each(prepare, wanted)]
 
 

@@ -141,7 +141,6 @@ def table(store: Store, study: str, shown: int) -> TableRecord | None:
 
 # Outcomes, verdicts and distributions of each model against a reference model, over many cases.
 
-
 Answered = tuple[CaseRun, str | None]
 """A run, and the key of its history in the store."""
 

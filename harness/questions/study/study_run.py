@@ -567,9 +567,7 @@ def _answered(store: Store, study: StudyFile) -> dict[int, dict[str, str]]:
     for row in store.rows(study_name(study)):
         # The model's answers are held against the plain engines, too: they cost nothing.
         judged = row.engine == REFERENCE or row.engine + PLAIN in engines.REGISTRY
-        if not judged or row.key is None or row.kind != RUN or row.run is None:
-            continue
-        if row.run["reliable_until_s"] != 0.0:
+        if judged and row.key is not None and row.kind == RUN and row.run and row.run["reliable_until_s"] != 0.0:
             by_number.setdefault(row.number, {})[row.engine] = row.key
     first: dict[tuple[tuple[str, str], ...], int] = {}
     for number, keys in by_number.items():
@@ -647,7 +645,6 @@ def _values(key: str, given: object) -> list[object]:
 
 
 # How long a study may take, told before it begins; studies over a day need `--large`.
-
 
 TRIALS: Final = 16
 """Drawn cases of each variant that are looked at: their mean is off by a sixth where one differs from another by two thirds."""

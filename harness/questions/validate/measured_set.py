@@ -172,7 +172,6 @@ def by_name(
 #
 # One line a trial: `group` (trials of one block), `trial`, `width_m, height_m, depth_m, mass_kg`, `ratio_measured`.
 
-
 RATIO_COLUMNS: Final = ("group", "trial", "width_m", "height_m", "depth_m", "mass_kg", "ratio_measured")
 GROUP_COLUMNS: Final = (
     "group", "slenderness", "trials", "measured_mean", "measured_sd", "housner", "housner_less_measured", "its_error",

@@ -670,8 +670,10 @@ def intensity_of(trial: Trial) -> Intensity:
 
 def digest_of(trial: Trial) -> str:
     """What names a test's input but for what a variant chooses: the bytes of its files, and what its row says of them."""
-    files = [None if path is None else _file_digest(path) for path in (trial.mesh, trial.motion)]
-    files.append(None if trial.scene is None else _scene_digest(trial.scene))
+    files = [
+        *(None if path is None else _file_digest(path) for path in (trial.mesh, trial.motion)),
+        None if trial.scene is None else _scene_digest(trial.scene),
+    ]
     body = (trial.unit, trial.up, trial.density_kg_m3, trial.mass_kg, trial.body_name, trial.day)
     motion = (trial.column, trial.column_y, trial.column_z, trial.motion_unit, trial.time_column)
     return hashlib.sha256(repr((files, body, motion, trial.duration_s, trial.name)).encode()).hexdigest()

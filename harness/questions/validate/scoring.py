@@ -328,9 +328,8 @@ def fitted(trials: Sequence[Trial], choice: FittedInputs) -> Fitted:
             same = [getattr(each, name) == best for each in weighed.settings]
             numbers = [value for value in values if isinstance(value, float)]
             at_end = name in NEAR and len(numbers) > 2 and best in (min(numbers), max(numbers))
-            weight = float(weighed.weights[same].sum())
             told = list(best) if isinstance(best, tuple) else best
-            rows.append(FittedInput(Path(body).name, day, name, told, weight, at_end))
+            rows.append(FittedInput(Path(body).name, day, name, told, float(weighed.weights[same].sum()), at_end))
     at_end = choice.log_score is not None and choice.width in (WIDTHS[0], WIDTHS[-1])
     return Fitted(choice.fitted_on, choice.log_score, choice.width, at_end, choice.counts, rows, choice.runs)
 

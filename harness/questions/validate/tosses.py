@@ -89,8 +89,7 @@ def read_tosses(path: Path, body: Statue, gravity_m_s2: float) -> tuple[list[Tos
     mistake.
     """
     groups = read_groups(path, COLUMNS)
-    wrong = [(name, why) for name, table in groups if (why := _wrong(table)) is not None]
-    refuse([Mistake(str(path), f"toss {name}", wanted, got) for name, (wanted, got) in wrong])
+    refuse([Mistake(str(path), f"toss {name}", *why) for name, table in groups if (why := _wrong(table)) is not None])
     clock = clock_of([table for _, table in groups], body, gravity_m_s2)
     stretch = 1.0 if clock is None else clock.stated_hz / clock.rate_hz
     scale = np.array([stretch, *[1.0] * len(PLACE), *[1.0 / stretch] * len(RATES)])
