@@ -187,15 +187,17 @@ def statue_from_mesh(table: StatueTable, mesh: MeshTable, path: Path, found: lis
         solid = _solid(file, inner, changed, mesh, table.mass_kg)
         found.extend(findings_of(_doubts(file, changed, mesh.unit, mesh.up)))
         if mesh.inner is not None:
-            hollow = {
-                "file": mesh.inner.file,
-                "inside_kg_m3": mesh.inner.density_kg_m3,
-                "mass_kg": solid.mass_kg,
-                "weighed_kg": table.mass_kg,
-                "mean_kg_m3": solid.density_kg_m3,
-                "centroid_height_m": solid.centroid_height_m,
-            }
-            found.append(info("mesh_hollow", **hollow))
+            found.append(
+                info(
+                    "mesh_hollow",
+                    file=mesh.inner.file,
+                    inside_kg_m3=mesh.inner.density_kg_m3,
+                    mass_kg=solid.mass_kg,
+                    weighed_kg=table.mass_kg,
+                    mean_kg_m3=solid.density_kg_m3,
+                    centroid_height_m=solid.centroid_height_m,
+                )
+            )
         solid = _reconciled(solid, table, mesh, found)
         return statue_of(_adjusted(solid, mesh, found))
     except MeshError as error:

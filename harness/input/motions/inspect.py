@@ -20,8 +20,8 @@ PERIODS_S: Final = np.geomspace(0.03, 4.0, 80)
 ENDLESS_S: Final = 20.0
 """Shown of a harmonic motion that never ends and whose scene gives no duration."""
 _FINE_STEP_S = 0.005
-_SAMPLES_PER_PULSE = 400
 _SAMPLES_PER_PERIOD = 400
+"""Or in a pulse."""
 _MOST_SAMPLES = 1_000_000
 _ROWS: Final = {
     "pga_g": "{:.4f}",
@@ -129,7 +129,7 @@ def inspect_component(motion: SceneMotion) -> MotionInspection:
             series = Series(dt_s, excitation.accel_m_s2(t_s), (*prepared.done, info("step_shown", dt_s=dt_s)))
     else:
         end = excitation.end_s if math.isfinite(excitation.end_s) else motion.duration_s or ENDLESS_S
-        dt_s = min(_FINE_STEP_S, max(end, 1e-3) / _SAMPLES_PER_PULSE)
+        dt_s = min(_FINE_STEP_S, max(end, 1e-3) / _SAMPLES_PER_PERIOD)
         if (omega_rad_s := getattr(excitation, "omega_rad_s", 0.0)) > 0.0:
             dt_s = max(min(dt_s, 2.0 * math.pi / omega_rad_s / _SAMPLES_PER_PERIOD), end / _MOST_SAMPLES)
         # One that ends is followed past its end, one that the scene cuts off to where it does.
@@ -142,8 +142,7 @@ def inspect_component(motion: SceneMotion) -> MotionInspection:
 
 def _trace(name: str, direction: str, series: Series, target: DesignSpectrum | None) -> Trace:
     if not np.abs(series.accel_m_s2).max() > 0.0:
-        zero = Measures(*(0.0,) * 10)
-        return Trace(name, direction, series, zero, np.zeros(PERIODS_S.size))
+        return Trace(name, direction, series, Measures(*(0.0,) * 10), np.zeros(PERIODS_S.size))
     damping = DAMPING if target is None else target.damping
     spectrum = spectrum_m_s2(series.accel_m_s2, series.dt_s, PERIODS_S, damping)
     return Trace(name, direction, series, measures(series), spectrum)

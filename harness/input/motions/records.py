@@ -11,7 +11,15 @@ from harness.input.files import existing_file
 from harness.input.mistakes import Contradiction, agree
 from harness.input.motions import Source, process
 from harness.input.motions.readers import read_record
-from harness.input.motions.recordfile import Channel, Floats, RecordFile, Series, mistake, parse_orientation
+from harness.input.motions.recordfile import (
+    Channel,
+    ChannelOrientation,
+    Floats,
+    RecordFile,
+    Series,
+    mistake,
+    parse_orientation,
+)
 from harness.model import Finding, info, require
 
 ROUNDING: Final = 1e-12
@@ -122,9 +130,9 @@ def _on_clock(channel: Channel, first_s: float, dt_s: float, count: int) -> Seri
         dt_s=channel.dt_s,
         shared=count,
     )
-    if shares:
-        return Series(dt_s, samples[whole : whole + count], (read,))
-    return Series(dt_s, np.interp(first_s + dt_s * np.arange(count), channel.t_s, samples), (read,))
+    at_s = first_s + dt_s * np.arange(count)
+    shared = samples[whole : whole + count] if shares else np.interp(at_s, channel.t_s, samples)
+    return Series(dt_s, shared, (read,))
 
 
 def channel_named(record: RecordFile, column: str | None, *, where: str, key: str) -> Channel:
@@ -136,8 +144,7 @@ def channel_named(record: RecordFile, column: str | None, *, where: str, key: st
         raise mistake(where, f"{key}.column", f"one of {available}", "no column", f"{record.path} holds several")
     exact = [channel for channel in record.channels if channel.name.casefold() == column.casefold()]
     meant = parse_orientation(column)
-    same = [channel for channel in record.channels if _same(channel, meant.azimuth_deg, meant.vertical)]
-    matches = exact or same
+    matches = exact or [channel for channel in record.channels if _points_alike(channel.orientation, meant)]
     require(
         len(matches) == 1,
         where,
@@ -149,13 +156,10 @@ def channel_named(record: RecordFile, column: str | None, *, where: str, key: st
     return matches[0]
 
 
-def _same(channel: Channel, azimuth_deg: float | None, vertical: bool) -> bool:
-    if vertical:
-        return channel.orientation.vertical
-    own = channel.orientation.azimuth_deg
-    if azimuth_deg is None or own is None:
-        return False
-    return abs((own - azimuth_deg + 180.0) % 360.0 - 180.0) <= AZIMUTH_TOLERANCE_DEG
+def _points_alike(one: ChannelOrientation, other: ChannelOrientation) -> bool:
+    if one.azimuth_deg is None or other.azimuth_deg is None:
+        return one.vertical and other.vertical
+    return abs((one.azimuth_deg - other.azimuth_deg + 180.0) % 360.0 - 180.0) <= AZIMUTH_TOLERANCE_DEG
 
 
 def crossing_deg(one: Channel, two: Channel) -> float:

@@ -57,12 +57,6 @@ def relative_displacement_m(accel_m_s2: Floats, dt_s: float, period_s: float, da
     return np.asarray(response)
 
 
-def _finer(accel_m_s2: Floats, factor: int) -> Floats:
-    """The same straight lines with `factor` times as many samples."""
-    n = accel_m_s2.size
-    return np.interp(np.arange((n - 1) * factor + 1) / factor, np.arange(n), accel_m_s2)
-
-
 @dataclass(frozen=True, eq=False)
 class Peaks:
     """Per period: pseudo-acceleration ω²|d| (m/s²) with the sign of −d at its peak, and the time of that peak (s)."""
@@ -76,12 +70,14 @@ def peak_responses(accel_m_s2: Floats, dt_s: float, periods_s: ArrayLike, dampin
     """Peak responses of oscillators of `periods_s` (k,) from rest, at no fewer than POINTS_PER_PERIOD samples a period."""
     periods = np.asarray(periods_s, dtype=np.float64)
     accel, at, sign = np.empty(periods.size), np.empty(periods.size), np.empty(periods.size)
+    n = accel_m_s2.size
     finer: dict[int, Floats] = {}
     for i, period in enumerate(periods.tolist()):
         needed = max(1, math.ceil(POINTS_PER_PERIOD * dt_s / period - 1e-9))
         factor = 1 << (needed - 1).bit_length()
         if factor not in finer:
-            finer[factor] = _finer(accel_m_s2, factor)
+            # The same straight lines with that many times as many samples.
+            finer[factor] = np.interp(np.arange((n - 1) * factor + 1) / factor, np.arange(n), accel_m_s2)
         samples = finer[factor]
         response = relative_displacement_m(samples, dt_s / factor, period, damping)
         largest = int(np.argmax(np.abs(response)))
@@ -261,6 +257,7 @@ STEP_S: Final = 0.005
 DEFAULT_DURATION_S: Final = 25.0
 """With the envelope below, 11 s of strong shaking: Eurocode 8 asks for 10 s at least (3.2.3.1.2)."""
 
+_BAND_PERIODS_S: Final = np.geomspace(*BAND_S, 60)
 _CONTROL_S: Final = np.geomspace(0.045, 2.4, 200)  # 2 % apart: wider, the spectrum dips between them
 _AIM, _SOFTER_AIM = 0.05, 0.075  # misfit at the control periods that ends matching, at first and later
 _FFT_PASSES, _HARD_PASSES, _PASSES = 8, 12, 30
@@ -310,30 +307,25 @@ def artificial(spectrum: DesignSpectrum, *, seed: int, duration_s: float = DEFAU
     periods = 1.0 / np.maximum(frequency, 0.5 * _LOWEST_HZ)
     amplitude = spectrum.accel_m_s2(periods) / np.sqrt(np.maximum(frequency, _LOWEST_HZ))
     amplitude *= np.clip((frequency / _LOWEST_HZ - 0.5) * 2.0, 0.0, 1.0)
-    accel = _shaken(amplitude, phase, shape, spectrum)
+    accel = _shaken(amplitude, phase, shape)
+    accel *= best_factor(Series(STEP_S, accel), spectrum, _CONTROL_S)
     wanted = spectrum.accel_m_s2(_CONTROL_S)
     for _ in range(_FFT_PASSES):
         reached = spectrum_m_s2(accel, STEP_S, _CONTROL_S, spectrum.damping)
         amplitude *= np.interp(np.log(periods), np.log(_CONTROL_S), wanted / reached)
-        accel = _shaken(amplitude, phase, shape, None)
+        accel = _shaken(amplitude, phase, shape)
     step = info("step_artificial", seed=seed, duration_s=duration_s, dt_s=STEP_S, corrections=_FFT_PASSES)
     return match(Series(STEP_S, accel, (step,)), spectrum)
 
 
-def _shaken(amplitude: Floats, phase: np.ndarray, shape: Floats, scale_to: DesignSpectrum | None) -> Floats:
-    noise = np.fft.irfft(amplitude * phase)[: shape.size]
-    accel = at_rest(noise * shape, STEP_S)
-    if scale_to is None:
-        return accel
-    reached = spectrum_m_s2(accel, STEP_S, _CONTROL_S, scale_to.damping)
-    return np.asarray(accel * float(np.exp(np.mean(np.log(scale_to.accel_m_s2(_CONTROL_S) / reached)))))
+def _shaken(amplitude: Floats, phase: np.ndarray, shape: Floats) -> Floats:
+    return at_rest(np.fft.irfft(amplitude * phase)[: shape.size] * shape, STEP_S)
 
 
-def best_factor(series: Series, spectrum: DesignSpectrum) -> float:
-    """The factor that brings the mean of log(S/target) over BAND_S to zero."""
-    periods = np.geomspace(*BAND_S, 60)
-    response = spectrum_m_s2(series.accel_m_s2, series.dt_s, periods, spectrum.damping)
-    return float(np.exp(np.mean(np.log(spectrum.accel_m_s2(periods) / response))))
+def best_factor(series: Series, spectrum: DesignSpectrum, periods_s: Floats = _BAND_PERIODS_S) -> float:
+    """The factor that brings the mean of log(S/target) over `periods_s` to zero."""
+    response = spectrum_m_s2(series.accel_m_s2, series.dt_s, periods_s, spectrum.damping)
+    return float(np.exp(np.mean(np.log(spectrum.accel_m_s2(periods_s) / response))))
 
 
 def match(series: Series, spectrum: DesignSpectrum) -> Series:
