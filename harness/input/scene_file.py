@@ -187,13 +187,14 @@ def resolve(
             # A probability over it would be one of no doubt at all.
             found.append(caution("key_not_used", keys=drawn))
     preset = PRESETS[model.model.preset]
-    friction_normal = model.model.friction_normal or preset.friction_normal
-    at_impact = model.model.pedestal_at_impact or preset.pedestal_at_impact
     scene = Scene(
         title=model.title,
         duration_s=model.duration_s,
         gravity_m_s2=model.gravity_m_s2,
-        form=Form(friction_normal, at_impact),
+        form=Form(
+            model.model.friction_normal or preset.friction_normal,
+            model.model.pedestal_at_impact or preset.pedestal_at_impact,
+        ),
         statue=statue,
         pedestal=pedestal,
         contact=Contact(

@@ -308,12 +308,12 @@ def prepare(motion: SceneMotion) -> PreparedMotion:
     if isinstance(component, RestSpec):
         return PreparedMotion(ZeroExcitation())
     if isinstance(component, HarmonicSpec):
-        amplitude = component.amplitude_g * motion.gravity_m_s2
         phase = math.radians(component.phase_deg)
-        ground = PreparedMotion(Harmonic(amplitude, component.frequency_hz, phase, component.ramp_s))
+        peak_m_s2 = component.amplitude_g * motion.gravity_m_s2
+        ground = PreparedMotion(Harmonic(peak_m_s2, component.frequency_hz, phase, component.ramp_s))
     elif isinstance(component, PulseSpec):
-        amplitude = component.amplitude_g * motion.gravity_m_s2
-        ground = PreparedMotion(Pulse(component.shape, amplitude, component.duration_s, component.start_s))
+        peak_m_s2 = component.amplitude_g * motion.gravity_m_s2
+        ground = PreparedMotion(Pulse(component.shape, peak_m_s2, component.duration_s, component.start_s))
     elif isinstance(component, RecordSpec):
         # A motion by formula loads no reader of records.
         from harness.input.motions import records
@@ -364,10 +364,7 @@ def _on_floor(ground: PreparedMotion, modes: tuple[Oscillator, ...], motion: Sce
     from harness.input.motions.process import floor_motion, ring_down_s
 
     where, key, duration_s = motion.where, motion.key, motion.duration_s
-    end = ground.excitation.end_s
-    until = end + ring_down_s(modes)
-    if duration_s is not None:
-        until = min(until, duration_s) if end <= duration_s else duration_s
+    until = min(ground.excitation.end_s + ring_down_s(modes), math.inf if duration_s is None else duration_s)
     require(
         math.isfinite(until),
         where,

@@ -313,16 +313,18 @@ def baseline(series: Series, kind: Baseline) -> Series:
         accel = series.accel_m_s2 - fit(place)
     changed = np.asarray(accel, dtype=np.float64)
     (before_m_s, before_m), (after_m_s, after_m) = ends(series), ends(Series(series.dt_s, changed))
-    step = info(
-        "step_baseline",
-        kind=kind,
-        most_m_s2=float(np.abs(changed - series.accel_m_s2).max()),
-        before_m_s=before_m_s,
-        before_m=before_m,
-        after_m_s=after_m_s,
-        after_m=after_m,
+    return series.changed(
+        changed,
+        info(
+            "step_baseline",
+            kind=kind,
+            most_m_s2=float(np.abs(changed - series.accel_m_s2).max()),
+            before_m_s=before_m_s,
+            before_m=before_m,
+            after_m_s=after_m_s,
+            after_m=after_m,
+        ),
     )
-    return series.changed(changed, step)
 
 
 def bandpass(series: Series, low_hz: float, high_hz: float) -> Series:

@@ -79,16 +79,17 @@ def read_file(path: Path, *, unit: str | None = None, layout: Layout | None = No
         require(named in (None, record.unit), where, wanted, str(named), "leave unit out", key="unit")
         return record
     if spectra := _NO_RECORD.search(text[:400]):
-        advice = "take the record's own file (V1, V2)"
-        raise mistake(where, "", "an accelerogram", f"a file of spectra ({spectra.group()})", advice)
+        got = f"a file of spectra ({spectra.group()})"
+        raise mistake(where, "", "an accelerogram", got, "take the record's own file (V1, V2)")
     try:
         if table.recognises(text) or table.names_times(text):
             named_columns = table.headed_columns(text, where, unit=named)
             _check_end(text, where)
             return named_columns
-        names = ", ".join(FORMATS)
         first = next((line.strip() for line in text.splitlines() if line.strip()), "blank lines alone")
-        raise mistake(where, "", f"one of {names}", repr(first[:60]), "columns of numbers with t_s also do")
+        raise mistake(
+            where, "", f"one of {', '.join(FORMATS)}", repr(first[:60]), "columns of numbers with t_s also do"
+        )
     except InputError as error:
         raise _with_proposal(error, text, where) from None
 

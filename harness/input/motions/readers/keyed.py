@@ -56,8 +56,7 @@ def at2(lines: list[str], where: str) -> RecordFile:
     values = first_of(every, count, where, "accelerations")
     found = (caution("record_values_left_out", values=every.size, stated=count),) if every.size > count else ()
     parts = [part.strip() for part in lines[1].split(",")]
-    name = parts[-1] or "1"
-    channel = Channel.read(name, None, dt_s, values, "g")
+    channel = Channel.read(parts[-1] or "1", None, dt_s, values, "g")
     facts = {"event": parts[0], "station": ", ".join(parts[2:-1]) if len(parts) > 3 else parts[1] if parts[1:] else ""}
     return RecordFile(where, "PEER AT2", "g", (channel,), facts, group="|".join(parts[:-1]), findings=found)
 
