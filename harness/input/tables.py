@@ -18,7 +18,7 @@ from pydantic import BaseModel, BeforeValidator, Field, JsonValue, ValidationErr
 
 from analytic.block import GRAVITY_M_S2
 from harness.input.mistakes import Contradiction, UserTable, agree, mistakes_of
-from harness.input.motions import Motion, list_to_tuple
+from harness.input.motions.spec import Motion, list_to_tuple
 from harness.model import InputError, Mistake, Uncertain, nearest, refuse, require, translated
 
 # TOML as a user hands it in: no more of it than memory should be given, and no number that TOML does not have.

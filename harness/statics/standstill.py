@@ -10,7 +10,7 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from analytic.excitation import Excitation, ZeroExcitation
-from harness.input.motions import LARGEST_G, LARGEST_SCALE
+from harness.input.motions.spec import LARGEST_G, LARGEST_SCALE
 from harness.model import Array, Finding, Outcome, Pedestal, Run, Scene, Statue, caution, changes_answer, written
 from meshes.footprint import footprint, margin_m, outward_sides
 

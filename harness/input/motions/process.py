@@ -12,7 +12,6 @@ import numpy as np
 
 from analytic.excitation import Excitation, SampledAcceleration
 from harness.input.mistakes import agree
-from harness.input.motions import Oscillator
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
     Floats,
@@ -20,6 +19,7 @@ from harness.input.motions.recordfile import (
     at_rest,
     ends,
 )
+from harness.input.motions.spec import Oscillator
 from harness.input.motions.spectra import arias_share, exact_step, peak_velocity_m_s
 from harness.model import Finding, caution, info, require
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from harness.input.files import existing_file
 from harness.input.mistakes import Contradiction, agree
-from harness.input.motions import Source, process
+from harness.input.motions import process
 from harness.input.motions.readers import read_record
 from harness.input.motions.recordfile import (
     Channel,
@@ -20,6 +20,7 @@ from harness.input.motions.recordfile import (
     mistake,
     parse_orientation,
 )
+from harness.input.motions.spec import Source
 from harness.model import Finding, info, require
 
 ROUNDING: Final = 1e-12

@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from harness.input.motions import Target
 from harness.input.motions.recordfile import (
     STANDARD_GRAVITY_M_S2,
     Floats,
@@ -16,6 +15,7 @@ from harness.input.motions.recordfile import (
     displacement_m,
     velocity_m_s,
 )
+from harness.input.motions.spec import Target
 from harness.model import info
 
 # Linear oscillators under straight-line accelerations: exact steps, response spectra, absolute accelerations.

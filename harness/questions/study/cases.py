@@ -18,7 +18,8 @@ from analytic.problem import Keywords, stated
 from analytic.sweep import Body, body_of
 from harness.input import scene_file, tables
 from harness.input.mistakes import UserTable, agree, mistakes_of
-from harness.input.motions import Motion, SceneMotion, prepare
+from harness.input.motions import SceneMotion, prepare
+from harness.input.motions.spec import Motion
 from harness.model import BaseExcitation, InputError, Mistake, Scene, block_of, grouped, keywords, require
 from harness.records.study import RecheckRecord, StudyRow
 

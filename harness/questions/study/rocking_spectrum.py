@@ -19,8 +19,9 @@ from analytic import Block, Form, Outcome, ensemble
 from analytic.excitation import Excitation
 from harness.comparison.statistics import wilson
 from harness.input.mistakes import UserTable, agree
-from harness.input.motions import RecordSpec, SceneMotion, Source, prepare
+from harness.input.motions import SceneMotion, prepare
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2
+from harness.input.motions.spec import RecordSpec, Source
 from harness.input.tables import read_model
 from harness.model import Answer, Array, Say, info, machine, read_each, versions
 from harness.records.base import write_whole

@@ -23,7 +23,8 @@ from harness.accuracy.refinement import DEFAULT_ACCURACY_RAD, check_target, simu
 from harness.comparison.statistics import FELL
 from harness.input.files import decimals, decoded, existing_file, numbers, read_bytes
 from harness.input.mesh_statue import statue_of
-from harness.input.motions import RecordSpec, SceneMotion, prepare
+from harness.input.motions import SceneMotion, prepare
+from harness.input.motions.spec import RecordSpec
 from harness.input.scene_file import load_scene
 from harness.model import (
     Array,

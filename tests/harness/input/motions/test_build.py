@@ -11,7 +11,8 @@ from pydantic import TypeAdapter, ValidationError
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
 from harness.input.files import data_folder
 from harness.input.mistakes import mistakes_of
-from harness.input.motions import Component, Motion, SceneMotion, prepare
+from harness.input.motions import SceneMotion, prepare
+from harness.input.motions.spec import Component, Motion
 from harness.model import InputError
 from tests.doubles import codes
 from tests.harness.input.motions import writers

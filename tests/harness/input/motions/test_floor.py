@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from analytic.excitation import Harmonic, Pulse, SampledAcceleration
-from harness.input.motions import Oscillator
 from harness.input.motions.process import RING_DOWN, floor_motion, ring_down_s
+from harness.input.motions.spec import Oscillator
 from tests.budgets_motions import FLOOR_LINES, STEADY_STATE
 
 

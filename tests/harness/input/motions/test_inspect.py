@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from harness.input.motions import Component, SceneMotion, Target
+from harness.input.motions import SceneMotion
 from harness.input.motions.inspect import PERIODS_S, inspect_component, inspect_file
+from harness.input.motions.spec import Component, Target
 from harness.input.motions.spectra import design_spectrum
 from reports.export.figures import printed
 from reports.export.motion_figure import WIDE, build_up_figure, histories_figure, motion_picture, spectrum_figure

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions import Source
 from harness.input.motions.readers import read_file, read_record
 from harness.input.motions.recordfile import FORMATS, STANDARD_GRAVITY_M_S2
 from harness.input.motions.records import aligned, load
+from harness.input.motions.spec import Source
 from harness.input.motions.spectra import peak_velocity_m_s
 from harness.model import InputError
 from tests.budgets_motions import (

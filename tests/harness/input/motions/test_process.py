@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from harness.input.mistakes import Contradiction
-from harness.input.motions import RecordSpec, process
+from harness.input.motions import process
 from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
 from harness.input.motions.records import load
+from harness.input.motions.spec import RecordSpec
 from harness.input.motions.spectra import measures, peak_velocity_m_s
 from harness.model import InputError
 from tests import doubles

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from harness.input.motions import Component, SceneMotion, SpectrumSpec, Target, prepare, spectra
+from harness.input.motions import SceneMotion, prepare, spectra
 from harness.input.motions.recordfile import Series, displacement_m, velocity_m_s
+from harness.input.motions.spec import Component, SpectrumSpec, Target
 from harness.input.motions.spectra import DesignSpectrum, design_spectrum
 from harness.model import InputError
 from tests.budgets_motions import (

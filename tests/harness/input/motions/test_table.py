@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.input.motions import Source
 from harness.input.motions.readers import read_file
 from harness.input.motions.recordfile import Layout
 from harness.input.motions.records import load
+from harness.input.motions.spec import Source
 from harness.model import InputError
 from tests.budgets_motions import GAL_6
 from tests.harness.input.motions.writers import GRAVITY as G_M_S2
