@@ -61,16 +61,25 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from analytic.block import AnalyticInputError, Block, Form, Friction, Pedestal, Wall
     from analytic.excitation import Excitation, Harmonic, Pulse, Record, Rest, SampledAcceleration, ZeroExcitation
-    from analytic.problem import CommonKeywords, Keywords, Options, Problem
-    from analytic.solution import Event, EventKind, Interval, Outcome, Solution, Validity
+    from analytic.problem import (
+        CommonKeywords,
+        Event,
+        EventKind,
+        Interval,
+        Keywords,
+        Options,
+        Outcome,
+        Problem,
+        Solution,
+        Validity,
+    )
     from analytic.solver import Certified, certify, simulate, solve
     from analytic.sweep import Ensemble, ensemble
 
 _NAMES: Final = {
     "analytic.block": "AnalyticInputError Block Form Friction Pedestal Wall",
     "analytic.excitation": "Excitation Harmonic Pulse Record Rest SampledAcceleration ZeroExcitation",
-    "analytic.problem": "CommonKeywords Keywords Options Problem",
-    "analytic.solution": "Event EventKind Interval Outcome Solution Validity",
+    "analytic.problem": "CommonKeywords Event EventKind Interval Keywords Options Outcome Problem Solution Validity",
     "analytic.solver": "Certified certify simulate solve",
     "analytic.sweep": "Ensemble ensemble",
 }

@@ -54,11 +54,10 @@ FLAT_RAD: Final = 1e-12
 
 def positive(**values: float) -> None:
     """Raise AnalyticInputError, naming every value that is not a finite positive number."""
-    for value in values.values():
-        # Sentences are made where one is wrong: a short run's checks are a tenth of it.
-        if not 0.0 < value < math.inf:
-            wrong = [f"{name} = {each!r}" for name, each in values.items() if not 0.0 < each < math.inf]
-            raise AnalyticInputError(f"finite positive numbers are wanted, {', '.join(wrong)} came.")
+    # Words are made where one is wrong: a short run's checks are a tenth of it.
+    wrong = [f"{name} = {value!r}" for name, value in values.items() if not 0.0 < value < math.inf]
+    if wrong:
+        raise AnalyticInputError(f"finite positive numbers are wanted, {', '.join(wrong)} came.")
 
 
 @final
@@ -115,8 +114,9 @@ class Block:
     ) -> Self:
         """A statue with a flat base: distances of its two corners from below the centroid, both positive."""
         positive(corner_left_m=corner_left_m, corner_right_m=corner_right_m)
-        profile = ((-float(corner_left_m), 0.0), (float(corner_right_m), 0.0))
-        return cls(mass_kg, centroid_height_m, inertia_kg_m2, profile)
+        return cls(
+            mass_kg, centroid_height_m, inertia_kg_m2, ((-float(corner_left_m), 0.0), (float(corner_right_m), 0.0))
+        )
 
     @classmethod
     def rectangle(cls, *, width_m: float, height_m: float, mass_kg: float = 1.0) -> Self:
@@ -131,8 +131,7 @@ class Block:
         cls, *, mass_kg: float, centroid_height_m: float, inertia_kg_m2: float, profile_m: Iterable[Iterable[float]]
     ) -> Self:
         """A statue with a base of any profile; profile_m (k, 2) as in the class."""
-        points = tuple((float(x), float(z)) for x, z in profile_m)
-        return cls(mass_kg, centroid_height_m, inertia_kg_m2, points)
+        return cls(mass_kg, centroid_height_m, inertia_kg_m2, tuple((float(x), float(z)) for x, z in profile_m))
 
     @cached_property
     def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

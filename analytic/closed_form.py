@@ -50,8 +50,10 @@ def quarter_period_s(theta0_rad: float, alpha_rad: float, p_rad_s: float) -> flo
         alpha_rad,
     )
     complement = math.sin(0.5 * (alpha_rad - theta0_rad))
-    tangent = math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad))
-    amplitude = math.atan2(tangent, math.cos(0.5 * alpha_rad) * complement)
+    amplitude = math.atan2(
+        math.sqrt(math.sin(0.5 * theta0_rad) * math.sin(alpha_rad - 0.5 * theta0_rad)),
+        math.cos(0.5 * alpha_rad) * complement,
+    )
     cos2, sin2 = math.cos(amplitude) ** 2, math.sin(amplitude) ** 2
     return float(math.sin(amplitude) * elliprf(cos2, cos2 + complement**2 * sin2, 1.0)) / p_rad_s
 

@@ -34,8 +34,13 @@ def require_finite(name: str, value: float, *, positive: bool = False, least: fl
     """Raise AnalyticInputError unless value is finite, positive if asked, and at least least."""
     wanted = "a positive number" if positive else "a finite number"
     wanted += f" of at least {least:g}" if math.isfinite(least) else ""
-    holds = math.isfinite(value) and value >= least and (value > 0.0 or not positive)
-    require(holds, "{}: {} is wanted, {!r} came.", name, wanted, value)
+    require(
+        math.isfinite(value) and value >= least and (value > 0.0 or not positive),
+        "{}: {} is wanted, {!r} came.",
+        name,
+        wanted,
+        value,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,17 +315,15 @@ class Harmonic(Excitation):
 
     def _integrals(self, t_s: ArrayLike) -> tuple[Floats, Floats]:
         t = np.maximum(np.asarray(t_s, dtype=np.float64), 0.0)
-        start, v0, d0 = self.ramp_s, np.float64(0.0), np.float64(0.0)
-        if self.ramp_s > 0.0:
-            v_end, d_end = self._ramped(np.asarray(self.ramp_s))
-            v0, d0 = np.float64(v_end), np.float64(d_end)
+        start = self.ramp_s
+        v0, d0 = self._ramped(np.asarray(start)) if start > 0.0 else (np.zeros(()), np.zeros(()))
         w, amplitude = self.omega_rad_s, self.amplitude_m_s2
         angle0 = w * start + self.phase_rad
         tau = t - start
         velocity = v0 + amplitude * (math.cos(angle0) - np.cos(self._angle(t))) / w
         displacement = d0 + (v0 + amplitude * math.cos(angle0) / w) * tau
         displacement = displacement - amplitude * (np.sin(self._angle(t)) - math.sin(angle0)) / w**2
-        if self.ramp_s > 0.0:
+        if start > 0.0:
             v_ramp, d_ramp = self._ramped(t)
             velocity, displacement = np.where(t < start, v_ramp, velocity), np.where(t < start, d_ramp, displacement)
         return np.asarray(velocity), np.asarray(displacement)

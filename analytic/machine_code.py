@@ -7,7 +7,7 @@ import contextlib
 import ctypes
 import gc
 import hashlib
-import importlib.util
+import importlib
 import os
 import shutil
 import stat
@@ -89,8 +89,11 @@ def home_of(room: Path = KERNEL) -> Path | None:
     """Folder of the compiled code of a room's very sources; None, with a warning, where nothing can be written."""
     chosen = folder(room, *([] if room == KERNEL else [KERNEL]))
     if chosen is None:
-        message = "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)"
-        warnings.warn(message, RuntimeWarning, stacklevel=2)
+        warnings.warn(
+            "no folder can be written in which to keep compiled code: every start compiles it again (set XDG_CACHE_HOME)",
+            RuntimeWarning,
+            stacklevel=2,
+        )
     return chosen
 
 
@@ -158,15 +161,25 @@ def _machine() -> llvm.TargetMachine:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    features = llvm.get_host_cpu_features().flatten()
-    kind = {"opt": 3, "reloc": "default", "codemodel": "jitdefault", "jit": True}
-    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, **kind)
+    return target.create_target_machine(
+        cpu=llvm.get_host_cpu_name(),
+        features=llvm.get_host_cpu_features().flatten(),
+        opt=3,
+        reloc="default",
+        codemodel="jitdefault",
+        jit=True,
+    )
 
 
 def _setup() -> str:
     """What object code depends on beside its sources."""
-    features = llvm.get_host_cpu_features().flatten()
-    host = llvm.get_host_cpu_name(), features, llvm.get_process_triple(), llvmlite.__version__, sys.version
+    host = (
+        llvm.get_host_cpu_name(),
+        llvm.get_host_cpu_features().flatten(),
+        llvm.get_process_triple(),
+        llvmlite.__version__,
+        sys.version,
+    )
     return hashlib.sha256("\n".join(host).encode()).hexdigest()[:16]
 
 
@@ -175,11 +188,13 @@ def _own_ends(text: str) -> str:
 
     Our compiled functions allocate nothing and raise nothing; only what wraps them names such functions, for that case.
     """
-    lines = [
-        line for line in text.splitlines() if line.startswith("declare") and ("@numba_" in line or "@NRT_" in line)
+    heads = [
+        line.removeprefix("declare ").split(" local_unnamed_addr")[0]
+        for line in text.splitlines()
+        if line.startswith("declare") and ("@numba_" in line or "@NRT_" in line)
     ]
-    bodies = [f"define linkonce_odr {line.removeprefix('declare ').split(' local_unnamed_addr')[0]}" for line in lines]
-    return "declare void @abort()\n" + "\n".join(f"{body} {{\n call void @abort()\n unreachable\n}}" for body in bodies)
+    ends = [f"define linkonce_odr {head} {{\n call void @abort()\n unreachable\n}}" for head in heads]
+    return "\n".join(["declare void @abort()", *ends])
 
 
 @final
@@ -193,13 +208,10 @@ class Entry:
 
     def __call__(self, *words: int) -> None:
         """Run it."""
-        self.loaded()(*words)
+        (self._call or self.loaded())(*words)
 
     def loaded(self) -> Callable[..., None]:
         """The function; compiled first where it is not kept, which whoever times a call does before."""
-        return self._call or self._loaded()
-
-    def _loaded(self) -> Callable[..., None]:
         with _LOCK:  # many threads may come first
             if self._call is None:
                 path = self._path
@@ -218,10 +230,8 @@ class Entry:
 
     @property
     def _path(self) -> Path | None:
-        spec = importlib.util.find_spec(self.module.rpartition(".")[0])
-        assert spec is not None
-        assert spec.origin is not None
-        folder = home_of(Path(spec.origin).resolve().parent)
+        room = importlib.import_module(self.module.rpartition(".")[0])
+        folder = home_of(Path(room.__path__[0]).resolve())
         return None if folder is None else folder / f"{self.name}-{_setup()}.o"
 
     def _compiled(self, path: Path | None) -> Callable[..., None]:
@@ -253,8 +263,7 @@ def _listed(symbol: str, arguments: int, text: str) -> bytes:
     module.link_in(llvm.parse_assembly(_own_ends(text)))
     code: bytes = _machine().emit_object(module)
     needs = sorted(each.name for each in module.functions if each.is_declaration and not each.name.startswith("llvm."))
-    lines = symbol, str(arguments), ",".join(needs)
-    listed = LISTED.join(line.encode() for line in lines) + LISTED + code
+    listed = LISTED.join(line.encode() for line in (symbol, str(arguments), ",".join(needs))) + LISTED + code
     return hashlib.sha256(listed).hexdigest().encode() + LISTED + listed
 
 
@@ -286,10 +295,11 @@ def _write(path: Path, content: bytes) -> None:
             file.write(content)
         os.replace(file.name, path)
     except OSError as error:
-        message = (
-            f"compiled code could not be kept in {path.parent} ({error.strerror}): the next start compiles it again"
+        warnings.warn(
+            f"compiled code could not be kept in {path.parent} ({error.strerror}): the next start compiles it again",
+            RuntimeWarning,
+            stacklevel=2,
         )
-        warnings.warn(message, RuntimeWarning, stacklevel=2)
 
 
 def _linked(content: bytes) -> Callable[..., None] | None:
@@ -305,5 +315,4 @@ def _linked(content: bytes) -> Callable[..., None] | None:
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     _ENGINES.append(engine)
-    kind = ctypes.CFUNCTYPE(None, *[ctypes.c_int64] * int(count))
-    return kind(engine.get_function_address(symbol.decode()))
+    return ctypes.CFUNCTYPE(None, *[ctypes.c_int64] * int(count))(engine.get_function_address(symbol.decode()))

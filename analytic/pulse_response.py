@@ -180,8 +180,12 @@ def overturning_ranges(
     The number of impacts tells the modes apart: 1 rocks once and falls to the other side, 0 falls at once. Ranges
     narrower than `resolution` can be missed. A range still open at `highest` ends with inf.
     """
-    told = "wanted highest > 1 and 0 < resolution < 1, got {!r} and {!r}"
-    require(highest > 1.0 and 0.0 < resolution < 1.0, told, highest, resolution)
+    require(
+        highest > 1.0 and 0.0 < resolution < 1.0,
+        "wanted highest > 1 and 0 < resolution < 1, got {!r} and {!r}",
+        highest,
+        resolution,
+    )
 
     def label(a: float) -> int:
         response = pulse_response(a, omega_over_p, restitution, kind)

@@ -30,14 +30,18 @@ from analytic.machine_code import Entry
 from analytic.problem import (
     CONSISTENT,
     DEFAULT_OPTIONS,
+    NO_EVENTS,
+    NO_HISTORY,
+    OUTCOMES,
     CommonKeywords,
     Options,
+    Outcome,
     Problem,
+    Solution,
     encode,
     encode_base,
     encode_motion,
 )
-from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Outcome, Solution
 
 run: Final = Entry("analytic.kernel.integrator", "run")
 
@@ -107,8 +111,7 @@ def solve(problem: Problem, options: Options = DEFAULT_OPTIONS) -> Solution:
         state, results, counts = task.run()
     task.history.setflags(write=False)
     history = NO_HISTORY if options.dt_s is None else task.history[:, : counts.samples]
-    rows = task.events[: counts.events]
-    return Solution(OUTCOMES[state.outcome], results, params, state, counts, rows, *history)
+    return Solution(OUTCOMES[state.outcome], results, params, state, counts, task.events[: counts.events], *history)
 
 
 def simulate(
@@ -250,9 +253,7 @@ def certify(
     own time only; the slip's uncertainty is then that of its peak over the whole run.
     Raises AnalyticInputError as ``simulate`` does.
     """
-    motion_z = motion_z if motion_z is not None else ZeroExcitation()
     base = min(accuracy_rad, base_accuracy_rad)
-    cap = min(step_cap_s, longest_step_s(block, gravity_m_s2))
     scene: CommonKeywords = {
         "duration_s": duration_s,
         "pedestal": pedestal,
@@ -274,14 +275,15 @@ def certify(
         "validity": validity,
     }
     quick = scene | {"events": False, "validity": False}
-    checks: tuple[tuple[float, float], ...] = ((base * SECOND_RUN_SHARE, step_cap_s), (base, 0.5 * cap))
+    shorter = 0.5 * min(step_cap_s, longest_step_s(block, gravity_m_s2))
+    checks: tuple[tuple[float, float], ...] = ((base * SECOND_RUN_SHARE, step_cap_s), (base, shorter))
     if dt_s is None:
-        scene, checks = {**scene, "events": False}, ((base * SECOND_RUN_SHARE, 0.5 * cap),)
+        scene, checks = {**scene, "events": False}, ((base * SECOND_RUN_SHARE, shorter),)
     first = simulate(block, motion_x, motion_z, accuracy_rad=base, step_cap_s=step_cap_s, **scene)
     quick = quick | {"gravity_m_s2": gravity_m_s2 * (1.0 + rounding(first.counts.steps))}
     others = tuple(
-        simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=shorter, **quick)
-        for finer, shorter in checks
+        simulate(block, motion_x, motion_z, accuracy_rad=finer, step_cap_s=longest, **quick)
+        for finer, longest in checks
     )
     # An error of the slip moves the centroid by itself, one of the rotation by the height times it: so neither counts for more.
     return certified(first, others, (accuracy_rad, accuracy_rad * block.centroid_height_m))

@@ -37,8 +37,20 @@ from analytic.kernel.records import (
     State,
     row,
 )
-from analytic.problem import HELD, Keywords, Options, Problem, encode, encode_base, encode_motion, stated
-from analytic.solution import NO_EVENTS, NO_HISTORY, OUTCOMES, Solution
+from analytic.problem import (
+    HELD,
+    NO_EVENTS,
+    NO_HISTORY,
+    OUTCOMES,
+    Keywords,
+    Options,
+    Problem,
+    Solution,
+    encode,
+    encode_base,
+    encode_motion,
+    stated,
+)
 from analytic.solver import (
     SECOND_RUN_SHARE,
     Certified,
@@ -80,8 +92,7 @@ class Out(NamedTuple):
 def run_rows(rows: Rows, out: Out, start: int, stop: int) -> None:
     """Run the rows start to stop − 1 for their outcome, in memory of their own; no history and no events are kept."""
     task = bytearray(TASK.itemsize)
-    addresses = (table.ctypes.data for table in (*rows[:4], *out))
-    tables = np.array([(*addresses, start, stop)], TABLES)
+    tables = np.array([(*(table.ctypes.data for table in (*rows[:4], *out)), start, stop)], TABLES)
     run(address(task), address(tables))
 
 
@@ -141,8 +152,7 @@ class CertifiedRows:
         """One of them, as ``certify`` gives it."""
         one = self.bodies[self.body[i]]
         first, other = _solution(one.params, self.first, i), _solution(one.checked, self.other, i)
-        accuracy = self.accuracy_rad, self.accuracy_rad * one.problem.block.centroid_height_m
-        return certified(first, (other,), accuracy)
+        return certified(first, (other,), (self.accuracy_rad, self.accuracy_rad * one.problem.block.centroid_height_m))
 
 
 def certify_rows(
@@ -155,11 +165,12 @@ def certify_rows(
     sides = _encoded(motions)
     bases = np.array([row(encode_base(one.problem)) for one in bodies], BASE)[body]
     params = np.array([row(one.params) for one in bodies], PARAMS)[body]
-    first = _run(Rows(params, *sides[:2], bases, sides[2]))
+    first, other = Out.of(body.size), Out.of(body.size)
+    run_rows(Rows(params, *sides[:2], bases, sides[2]), first, 0, body.size)
     finer = np.array([row(one.checked) for one in bodies], PARAMS)[body]
     finer["gravity_m_s2"] *= 1.0 + rounding(first.counts["steps"])
     finer["time_scale_s"] = _time_scale_s(bodies, body, finer["gravity_m_s2"])
-    other = _run(Rows(finer, *sides[:2], bases, sides[2]))
+    run_rows(Rows(finer, *sides[:2], bases, sides[2]), other, 0, body.size)
     a, b = (each.results.view(np.recarray) for each in (first, other))
     turned, slid, until = peaks_apart(a, b, first.states["time_s"], accuracy_rad)
     left_rad = np.where(first.counts["dropped_rebounds"] > 0, params["rest_rad"], 0.0)
@@ -168,17 +179,10 @@ def certify_rows(
 
 def _encoded(motions: Sequence[Motions]) -> tuple[Records, Records, tuple[Floats, ...]]:
     """Motions along x and z row by row, and the samples that the kernel knows by their address."""
-    known = {id(motion): motion for pair in motions for motion in pair}
-    encoded = {key: encode_motion(motion) for key, motion in known.items()}
+    encoded = {key: encode_motion(motion) for key, motion in {id(one): one for pair in motions for one in pair}.items()}
     values = {key: row(params) for key, (params, *_) in encoded.items()}
     x, z = (np.array([values[id(pair[k])] for pair in motions], MOTION_PARAMS) for k in (0, 1))
     return x, z, tuple(array for _, *samples in encoded.values() for array in samples)
-
-
-def _run(rows: Rows) -> Out:
-    out = Out.of(rows.params.size)
-    run_rows(rows, out, 0, rows.params.size)
-    return out
 
 
 def _time_scale_s(bodies: Sequence[Body], body: NDArray[np.int64], gravity_m_s2: Floats) -> Floats:
@@ -343,8 +347,7 @@ def flattened(
     Raises AnalyticInputError for other names than those known, for none, and for numbers that are not finite.
     """
     unknown = ", ".join(sorted(set(sweep) - set(known)))
-    told = "sweep: some of {} are wanted, {} came."
-    require(sweep and not unknown, told, ", ".join(known), unknown or "none")
+    require(sweep and not unknown, "sweep: some of {} are wanted, {} came.", ", ".join(known), unknown or "none")
     columns = {name: np.asarray(values, dtype=np.float64) for name, values in sweep.items()}
     wrong = [name for name, values in columns.items() if not np.isfinite(values).all()]
     require(not wrong, "sweep: finite numbers are wanted in {}.", ", ".join(wrong))

@@ -25,6 +25,8 @@ FUSED: Final = {"contract"}
 any run on the same kind of processor; between those with and without it numbers differ in their last bits."""
 OPTIONS: Final[dict[str, object]] = {"nogil": True, "error_model": "numpy", "fastmath": FUSED}
 """A sweep's threads run at once; a division by nought gives infinity, without a branch for an exception."""
+_njit: Any = numba.njit
+"""With the options that its published types leave out."""
 P = ParamSpec("P")
 R = TypeVar("R")
 Item = TypeVar("Item")
@@ -105,8 +107,7 @@ class Inner(Generic[P, R]):
         Inner.made += 1
         if Inner.on_made is not None:
             Inner.on_made(Inner.made, Inner.total)
-        make: Any = numba.njit
-        part = make(no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=self._forceinline, **OPTIONS)(
+        part: Any = _njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=self._forceinline, **OPTIONS)(
             self._function
         )
         part._compiler.targetdescr = _parts()
@@ -115,8 +116,7 @@ class Inner(Generic[P, R]):
     @cached_property
     def _made(self) -> Callable[P, R]:
         """As the interpreter calls it, which only tests and measurements do: compiled by each process."""
-        make: Any = numba.njit
-        compiled: Callable[P, R] = make(**OPTIONS)(self._function)
+        compiled: Callable[P, R] = _njit(**OPTIONS)(self._function)
         return compiled
 
     @property

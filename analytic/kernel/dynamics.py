@@ -412,30 +412,13 @@ def _feasible(task: Task, pivot: int, slide: int, rock_free: bool, slide_free: b
         if pivot >= 0 and slide != 0 and series.determinant <= 0.0:
             return FRICTION_PARADOX
         weightless = series.gravity[0] <= WEIGHTLESS * params.gravity_m_s2
-        if weightless or (params.has_pedestal and series.floor_normal[0] <= 0.0):
-            return LIFT_OFF
-        if series.pivot_normal[0] <= 0.0 and (rock_free or not falling(task)):
+        floats = params.has_pedestal and series.floor_normal[0] <= 0.0
+        if weightless or floats or (series.pivot_normal[0] <= 0.0 and (rock_free or not falling(task))):
             return LIFT_OFF
         verdict = _keeps_signs(task, pivot, slide, rock_free, slide_free, n)
         if verdict != UNSURE:
             return verdict
     return 1
-
-
-@inlined
-def _slide_candidate(i: int, against: int) -> int:
-    """The i-th slide to try: stuck, then the side to which the floor leaves the pedestal behind, then the other."""
-    if i == 0:
-        return 0
-    return against if i == 1 else -against
-
-
-@inlined
-def _pivot_candidate(i: int, against: int, facet: int) -> int:
-    """The i-th pivot to try: rest, then the vertex on the side to which the floor's inertia tips the statue, then the other."""
-    if i == 0:
-        return -1
-    return facet + 1 if (against > 0) == (i == 1) else facet
 
 
 @jit
@@ -448,10 +431,13 @@ def choose(task: Task, rock_free: bool) -> tuple[int, int]:
     against = -1 if task.series.floor_accel[0] > 0.0 else 1
     feasible, ending, moving = 0, 0, task.params.choice == MOVING
     pivot_chosen, slide_chosen = state.pivot, state.slide
+    # Rest, then the vertex on the side to which the floor's inertia tips the statue, then the other; stuck, then the side to
+    # which the floor leaves the pedestal behind, then the other.
+    tipped = state.facet + 1 if against > 0 else state.facet
     for i in range(3 if slide_free else 1):
-        slide = _slide_candidate(i, against) if slide_free else state.slide
+        slide = (0, against, -against)[i] if slide_free else state.slide
         for j in range(3 if rock_free else 1):
-            pivot = _pivot_candidate(j, against, state.facet) if rock_free else state.pivot
+            pivot = (-1, tipped, 2 * state.facet + 1 - tipped)[j] if rock_free else state.pivot
             verdict = _feasible(task, pivot, slide, rock_free, slide_free)
             if verdict == 1:
                 feasible += 1

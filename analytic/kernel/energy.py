@@ -265,8 +265,7 @@ def _follow(task: Task) -> tuple[int, bool]:
         side = 1 if (omega > 0.0 or (omega == 0.0 and series.pivot_x[0] > 0.0)) else -1
         x, z = vertex(task, pivot)
         radius = math.sqrt(x * x + z * z)
-        outer = pivot == last if side > 0 else pivot == 0
-        if outer:
+        if pivot == (last if side > 0 else 0):
             reach, lowest = (
                 max(abs(series.pivot_x[0]), params.floor_static * params.has_pedestal * radius),
                 series.pivot_z[0],
@@ -301,9 +300,8 @@ def _follow(task: Task) -> tuple[int, bool]:
             if abs(margin) < NEAR_TIE:
                 return UNKNOWN, False
             if margin < 0.0:
-                beyond = pivot == last if side < 0 else pivot == 0
-                outcome = _ahead(task, pivot, -side, theta, energy)[0] if beyond else UNKNOWN
-                return outcome, number == 0
+                beyond = pivot == (last if side < 0 else 0)
+                return (_ahead(task, pivot, -side, theta, energy)[0] if beyond else UNKNOWN), number == 0
         if wall < side * load_double(task.base.facets, facet):
             _note_ahead(task, side, wall)
             return TOUCHES_WALL, False
@@ -335,10 +333,9 @@ def decide(task: Task) -> bool:
         results.left_domain_by,
     )
     outcome, passed = (STANDS, False) if state.pivot < 0 else _follow(task)
-    last = state.time_s >= task.params.duration_s
     if outcome == EXHAUSTED:
         state.followed = task.counts.impacts + NEXT_IMPACTS
-    if outcome in (EXHAUSTED, UNKNOWN) or not (passed or last or outcome == STANDS):
+    if outcome in (EXHAUSTED, UNKNOWN) or not (passed or outcome == STANDS or state.time_s >= task.params.duration_s):
         # What lies ahead is met again.
         results.peak_theta_rad, results.peak_time_s = peak_rad, peak_s
         results.left_domain_s, results.left_domain_by = left_s, left_by

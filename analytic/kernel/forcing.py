@@ -128,8 +128,8 @@ def coefficients(motion: Motion, row: Floats, time: float, n: int) -> int:
         return 0
     since = time - params.start_s
     if kind == RICKER:
-        middle = 0.5 * (params.end_s - params.start_s)
-        _ricker(row, n, params.amplitude_m_s2, params.omega_rad_s, since - middle)
+        from_middle = since - 0.5 * (params.end_s - params.start_s)
+        _ricker(row, n, params.amplitude_m_s2, params.omega_rad_s, from_middle)
         return n
     sine, cosine = sine_cosine(params.omega_rad_s * since + params.phase_rad)
     if kind == COSINE:

@@ -81,8 +81,7 @@ def impact(
         return 0.0, 0.0, abs(m * xo * omega)
     # it slides on: to the side to which friction could not hold it, or to the other where that contradicts itself
     first = -1.0 if floor > 0.0 else 1.0
-    for i in range(2):
-        sign = first if i == 0 else -first
+    for sign in (first, -first):
         after, moved = _slid(m, total, jn, jc, xn, xo, z, omega, rate, ratio, sign * mu_k)
         if moved * sign > 0.0 and after * omega >= 0.0:
             return after, moved, m * (xo * omega - xn * after)

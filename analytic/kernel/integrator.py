@@ -94,25 +94,21 @@ class Bounds(NamedTuple):
 
 
 @inlined
+def _share(left: float, terms: float) -> float:
+    """What an event's function has left, relative to its terms."""
+    return abs(left) / terms if terms > 0.0 else 0.0
+
+
+@inlined
 def _search(task: Task, n: int, h: float, lo: int, kind: int, side: int, best: FirstEvent) -> FirstEvent:
     """The earlier of best and the first root of the event function, of which lo leading terms are zero."""
     x, level, terms = first_root(task.series.event, lo, n, h)
     level = max(best.level, level)
     if x >= best.fraction:
         return FirstEvent(best.fraction, best.kind, best.side, level, best.residual)
-    residual = terms
     if kind != IMPACT and kind != STICK_ONSET:
-        residual = abs(value(task.series.event, n, x)) / terms if terms > 0.0 else 0.0
-    return FirstEvent(x, kind, side, level, residual)
-
-
-@inlined
-def _measure(task: Task, row: Floats, n: int, sign: float, level: float) -> None:
-    """Make sign (row − level) the event function."""
-    event = task.series.event
-    event[0] = sign * (row[0] - level)
-    for k in range(1, n + 1):
-        set_term(event, k, sign * term(row, k))
+        terms = _share(value(task.series.event, n, x), terms)
+    return FirstEvent(x, kind, side, level, terms)
 
 
 @inlined
@@ -129,15 +125,17 @@ def _seek(
     best: FirstEvent,
 ) -> FirstEvent:
     """The earlier of best and the first root of sign (row − level), of which lo leading terms are zero."""
-    _measure(task, row, n, sign, level)
+    event = task.series.event
+    event[0] = sign * (row[0] - level)
+    for k in range(1, n + 1):
+        set_term(event, k, sign * term(row, k))
     return _search(task, n, h, lo, kind, side, best)
 
 
 @inlined
 def _clear(row: Floats, h: float, sign: float, level: float, rest: float) -> bool:
     """Whether sign (row − level) certainly stays positive, its terms from the second on summing up to rest at most."""
-    start, first = sign * (row[0] - level), sign * row[1] * h
-    return bool(start + min(first, 0.0) > rest)
+    return bool(sign * (row[0] - level) + min(sign * row[1] * h, 0.0) > rest)
 
 
 @inlined
@@ -285,8 +283,7 @@ def _wall(task: Task, n: int, h: float, turning: float, best: FirstEvent) -> Fir
     x, z = vertex(task, pivot)
     pivot_x, pivot_z = series.pivot_x[0], series.pivot_z[0]
     if not rocks:
-        xc, zc, _ = corner(task, state.facet, -1)
-        pivot_x, pivot_z = xc, zc
+        pivot_x, pivot_z, _ = corner(task, state.facet, -1)
     radius2 = x * x + z * z
     room = params.wall_m - side * (load_double(base.stands, pivot) + series.slip[0])
     for i in range(base.n_outline):
@@ -382,12 +379,6 @@ ENDINGS: Final = (OVERTURNED_RIGHT, TOUCHES_WALL, LIFT_OFF, FRICTION_PARADOX)
 """Outcomes of the events from `AT_LIMIT` to `NO_SOLUTION`; to the left another one overturns."""
 
 
-@inlined
-def _share(left: float, terms: float) -> float:
-    """What an event's function has left, relative to its terms."""
-    return abs(left) / terms if terms > 0.0 else 0.0
-
-
 @jit
 def _handle(task: Task, kind: int, side: int, residual: float) -> None:
     """What happens at an event; residual: as first_event gives it."""
@@ -468,9 +459,9 @@ def _finish(task: Task) -> None:
         return
     start_series(task)
     expand(task, state.pivot, state.slide, 1, math.inf)
-    leans_right = state.pivot == task.base.n_facets and series.pivot_x[0] > 0.0
-    leans_left = state.pivot == 0 and series.pivot_x[0] < 0.0
-    if leans_right or leans_left:
+    if (state.pivot == task.base.n_facets and series.pivot_x[0] > 0.0) or (
+        state.pivot == 0 and series.pivot_x[0] < 0.0
+    ):
         state.outcome = UNDECIDED
 
 

@@ -83,7 +83,7 @@ class Params:
     momentum_at_impact: bool
     """The pedestal takes its momentum at an impact; otherwise its velocity is unchanged."""
     choice: int
-    """One of the choices of `analytic.kernel.records`."""
+    """0 or `MOVING`: a place in `analytic.block.CHOICES`."""
     theta0_rad: float
     theta_rate0_rad_s: float
     duration_s: float
@@ -131,7 +131,7 @@ class MotionParams:
     """One component of the floor's acceleration; the samples of a record stand in the caller's arrays."""
 
     kind: int
-    """One of the kinds of `analytic.kernel.records`."""
+    """One of the kinds of motion above."""
     amplitude_m_s2: float
     """Of a record, its largest absolute sample."""
     omega_rad_s: float = 0.0

@@ -40,6 +40,23 @@ def leave(task: Task, time: float, by: int) -> None:
 
 
 @jit
+def _tipping(
+    task: Task, time: float, contact: float, vertical: float, horizontal: float, accel: float, floor: float
+) -> float:
+    """How far inside the pedestal's foot the floor's force acts, m, of forces, or of impulses and the change of velocity.
+
+    contact is where the statue's force meets the pedestal, from its centre, m; floor the floor's normal force.
+    """
+    height = task.params.pedestal_height_m
+    # x_r = (x_c V − H_p H − m₁ z₁ A)/N with z₁ = H_p/2: where the floor's force acts, from the pedestal's centre
+    moment = contact * vertical - height * horizontal - 0.5 * height * task.params.pedestal_mass_kg * accel
+    margin = 0.5 * task.params.pedestal_width_m - abs(moment / floor)
+    if margin < 0.0:
+        leave(task, time, BY_TIPPING)
+    return margin
+
+
+@jit
 def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: float, accel: float) -> None:
     """Keep the extremes; contact is where the statue's force meets the pedestal, from its centre, m."""
     results, params = task.results, task.params
@@ -52,13 +69,8 @@ def _note(task: Task, time: float, h_force: float, v: float, n: float, contact: 
     else:
         leave(task, time, BY_LOST_CONTACT)
     if params.has_pedestal and n > 0.0:
-        height = params.pedestal_height_m
-        # x_r = (x_c V − H_p H − m₁ z₁ A)/N with z₁ = H_p/2: where the floor's force acts, from the pedestal's centre
-        moment = contact * v - height * h_force - 0.5 * height * params.pedestal_mass_kg * accel
-        margin = 0.5 * params.pedestal_width_m - abs(moment / n)
+        margin = _tipping(task, time, contact, v, h_force, accel, n)
         results.tipping_margin_m = min(results.tipping_margin_m, margin)
-        if margin < 0.0:
-            leave(task, time, BY_TIPPING)
 
 
 @jit
@@ -128,13 +140,9 @@ def note_impact(task: Task, pivot: int, horizontal: float, vertical: float, rate
     if abs(horizontal) > params.statue_friction * vertical:
         leave(task, task.state.time_s, BY_PIVOT_SLIP)
     if params.has_pedestal:
-        height, contact = params.pedestal_height_m, load_double(task.base.x, pivot) - params.pedestal_centre_m
-        # the same with impulses
-        moment = contact * vertical - height * horizontal - 0.5 * height * params.pedestal_mass_kg * rate_change
-        margin = 0.5 * params.pedestal_width_m - abs(moment / vertical)
+        contact = load_double(task.base.x, pivot) - params.pedestal_centre_m
+        margin = _tipping(task, task.state.time_s, contact, vertical, horizontal, rate_change, vertical)
         results.tipping_margin_at_impact_m = min(results.tipping_margin_at_impact_m, margin)
-        if margin < 0.0:
-            leave(task, task.state.time_s, BY_TIPPING)
 
 
 SAME_INSTANT: Final = 1e-9

@@ -129,8 +129,11 @@ class Problem:
             self.kinetic,
             self.friction_static,
         )
-        share = self.restitution
-        require(0.0 <= share <= 1.0, "restitution: a number from 0 to 1 is wanted, {!r} came.", share)
+        require(
+            0.0 <= self.restitution <= 1.0,
+            "restitution: a number from 0 to 1 is wanted, {!r} came.",
+            self.restitution,
+        )
         vectors = {
             "position_m": (self.position_m or (0.0, 0.0, 0.0), 3),
             "quaternion_wxyz": (self.quaternion_wxyz, 4),

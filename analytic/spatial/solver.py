@@ -18,6 +18,7 @@ from analytic.spatial.kernel.records import (
     EVENT_HEAD,
     GAVE_UP,
     INTERVAL_HEAD,
+    LOST,
     MEMORY,
     MOST,
     OVERTURNED,
@@ -82,7 +83,6 @@ def prepare(
     body, n = problem.body, len(problem.body.vertices_m)
     motions = [encode_motion(each) for each in (problem.motion_x, problem.motion_y, problem.motion_z)]
     instants = math.floor(problem.duration_s / dt_out_s * (1.0 + 1e-12)) + 2 if dt_out_s else 1
-    least = body.mass_kg * problem.gravity_m_s2 * body.radius_m
     values = dict.fromkeys(Run.__dataclass_fields__, 0) | {
         "mass_kg": body.mass_kg,
         "gravity_m_s2": problem.gravity_m_s2,
@@ -103,7 +103,7 @@ def prepare(
         "try_all": ties,
         "sectors": SECTORS[0],
         "step_s": 1e-3,
-        "energy_scale_j": least,
+        "energy_scale_j": body.mass_kg * problem.gravity_m_s2 * body.radius_m,
     }
     record = np.zeros(1, RUN)
     record[0] = tuple(values.values())
@@ -121,8 +121,8 @@ def prepare(
         motions,
     )
     # Addresses, not arrays: a record's layout must not depend on the length of a motion or a history.
-    arrays = task.history, task.events, task.intervals
-    memory["history"], memory["event_table"], memory["interval_table"] = (each.ctypes.data for each in arrays)
+    for name, array in (("history", task.history), ("event_table", task.events), ("interval_table", task.intervals)):
+        memory[name] = array.ctypes.data
     memory["instants"], memory["rows"] = instants, rows
     return task
 
@@ -196,17 +196,28 @@ def simulate(
     motion_x, motion_y, motion_z: the floor's accelerations, None for none; dt_out_s: output step, None for no history.
     """
     x, y, z = (ZeroExcitation() if each is None else each for each in (motion_x, motion_y, motion_z))
-    start = (position_m, quaternion_wxyz, velocity_m_s, angular_velocity_rad_s)
     problem = Problem(
-        body, duration_s, friction_static, friction_kinetic, x, y, z, gravity_m_s2, *start, overturn_rad, restitution
+        body=body,
+        duration_s=duration_s,
+        friction_static=friction_static,
+        friction_kinetic=friction_kinetic,
+        motion_x=x,
+        motion_y=y,
+        motion_z=z,
+        gravity_m_s2=gravity_m_s2,
+        position_m=position_m,
+        quaternion_wxyz=quaternion_wxyz,
+        velocity_m_s=velocity_m_s,
+        angular_velocity_rad_s=angular_velocity_rad_s,
+        overturn_rad=overturn_rad,
+        restitution=restitution,
     )
     return solve(problem, tolerance=tolerance, dt_out_s=dt_out_s, step_cap_s=step_cap_s)
 
 
 def read(problem: Problem, task: Task) -> Solution:
     """The solution of what a run left in its arrays."""
-    record, state = task.run[0], task.memory["y"][0]
-    n = len(problem.body.vertices_m)
+    record = task.run[0]
     history = task.history[: int(record["samples"])]
     turn = history[:, 4:8] / np.linalg.norm(history[:, 4:8], axis=1, keepdims=True)
     return Solution(
@@ -219,10 +230,10 @@ def read(problem: Problem, task: Task) -> Solution:
         outcome=OUTCOMES[int(record["outcome"])],
         end_s=float(record["time_s"]),
         peak_tilt_rad=float(record["peak_tilt_rad"]),
-        events=tuple(_event(row, n) for row in task.events[: int(record["events"])]),
+        events=tuple(_event(row) for row in task.events[: int(record["events"])]),
         intervals=_intervals(task.intervals[: int(record["intervals"])], float(record["time_s"])),
         energy_lost_at_impacts_j=float(record["impact_loss_j"]),
-        energy_lost_by_sliding_j=float(state[STATE - 1]),
+        energy_lost_by_sliding_j=float(task.memory["y"][0, LOST]),
         energy_residual=float(record["energy_residual"]),
         momentum_residual=float(record["momentum_residual"]),
         cone_residual=float(record["cone_residual"]),
@@ -233,14 +244,14 @@ def read(problem: Problem, task: Task) -> Solution:
     )
 
 
-def _event(row: Floats, n: int) -> Event:
+def _event(row: Floats) -> Event:
     time_s, kind, vertex, mode, loss, cone = (float(item) for item in row[:EVENT_HEAD])
     return Event(
         time_s=time_s,
         kind=KINDS[int(kind)],
         vertex=int(vertex) if vertex >= 0.0 else None,
         mode=MODES[int(mode)],
-        impulses_n_s=row[EVENT_HEAD:].reshape(n, 3).copy(),
+        impulses_n_s=row[EVENT_HEAD:].reshape(-1, 3).copy(),
         energy_lost_j=loss,
         cone_residual=cone,
     )
@@ -317,8 +328,8 @@ def certify(
     size = min(len(each.t_s) for each in (first, *others)) - 1
     turned = np.stack([attitude_difference_rad(first, other, size) for other in others])
     moved = np.stack([first.position_m[:size] - other.position_m[:size] for other in others])
-    differences = turned, np.linalg.norm(moved, axis=2)
-    said = within(first.t_s, min(each.end_s for each in (first, *others)), differences, (accuracy, accuracy))
+    ends_s = min(each.end_s for each in (first, *others))
+    said = within(first.t_s, ends_s, (turned, np.linalg.norm(moved, axis=2)), (accuracy, accuracy))
     # A check that was given up ended in no other way: it did not end.
     sure = all(other.gave_up or other.outcome is first.outcome for other in others)
     return Certified(first, *said, sure, complete)
@@ -384,8 +395,12 @@ def outcomes(
     task = prepare(problem, tolerance, None, math.inf, 0, most_steps)
 
     def work(start: int, stop: int) -> tuple[Records, Floats]:
-        part = {name: values[start:stop] for name, values in flat.items()}
-        return _run(task.run, task.memory, part, stop - start)
+        """The records and the last attitudes (stop − start, 4) of a piece of the sweep."""
+        runs, memories = np.repeat(task.run, stop - start), np.repeat(task.memory, stop - start)
+        for name, values in flat.items():
+            _vary(runs, memories, name, values[start:stop])
+        run_all(runs, memories)
+        return runs, memories["y"][:, 3:7].copy()
 
     runs, turns = map(np.concatenate, zip(*in_pieces(work, math.prod(shape), threads, most=CHUNK), strict=True))
     w, x, y, z = turns.T
@@ -400,20 +415,16 @@ def outcomes(
     )
 
 
-def _run(run: Records, memory: Records, part: Mapping[str, Floats], size: int) -> tuple[Records, Floats]:
-    """The records and the last attitudes (size, 4) of a piece of the sweep."""
-    runs, memories = np.repeat(run, size), np.repeat(memory, size)
-    for name, values in part.items():
-        if name in ("scale", "vertical_scale"):
-            scaled = memories["motions"]["params"][:, 0 if name == "scale" else 2 :]
-            scaled["amplitude_m_s2"] *= values[:, None]
-            scaled["scale"] *= values[:, None]
-        elif name == "friction":
-            runs["friction_static"], runs["friction_kinetic"] = values, values
-        else:
-            _turn(memories["y"], values)
-    run_all(runs, memories)
-    return runs, memories["y"][:, 3:7].copy()
+def _vary(runs: Records, memories: Records, name: str, values: Floats) -> None:
+    """Write what one name of a sweep varies."""
+    if name in ("scale", "vertical_scale"):
+        scaled = memories["motions"]["params"][:, 0 if name == "scale" else 2 :]
+        scaled["amplitude_m_s2"] *= values[:, None]
+        scaled["scale"] *= values[:, None]
+    elif name == "friction":
+        runs["friction_static"], runs["friction_kinetic"] = values, values
+    else:
+        _turn(memories["y"], values)
 
 
 def _turn(y: Floats, heading_rad: Floats) -> None:

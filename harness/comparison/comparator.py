@@ -167,7 +167,7 @@ def _across_s(run: Run | CaseRun) -> float | None:
 def left_domain(run: Run | CaseRun) -> tuple[float | None, str]:
     """When a run first left its model's domain (docs/model.md, section 5) and by what; (None, "") when it never did.
 
-    By what is a code of `analytic.solution.LEFT_BY` or an outcome. Engines state it as `validity["left_domain_s"]` and
+    By what is a code of `analytic.problem.LEFT_BY` or an outcome. Engines state it as `validity["left_domain_s"]` and
     `validity["left_domain_by"]`; a run that ends by lift-off or in the friction paradox leaves at its end.
     """
     stated = run.validity.get("left_domain_s")

@@ -75,7 +75,7 @@ class Evidence:
     compared_until_s: float | None
     left_domain_s: float | None
     left_domain_by: str
-    """Which limit was passed (a code of `analytic.solution.LEFT_BY`), or the outcome with which a run left it, and"""
+    """Which limit was passed (a code of `analytic.problem.LEFT_BY`), or the outcome with which a run left it, and"""
     left_domain: str = ""
     """of which answer."""
     outcome_flips_within_uncertainty: bool

@@ -142,17 +142,16 @@ def columns(m: Memory, rows: Rows, mode: int, a: int, b: int, sign: float) -> in
         return 2
     for k in range(3):
         set_column(m, k, a, rows[k], rows[k])
-    if mode == EDGE_STICK:
-        across = along_across(m, rows, a, b)[1]
-        # Of the forces along the edge only the sum is known: all of it is put at a.
-        set_column(m, 3, b, across, across)
-        set_column(m, 4, b, rows[2], rows[2])
-        return 5
+    if mode not in (EDGE_STICK, EDGE_PIVOT):
+        return 3
+    across = along_across(m, rows, a, b)[1]
     if mode == EDGE_PIVOT:
-        across = along_across(m, rows, a, b)[1]
         set_column(m, 3, b, minus(rows[2], times(sign * m.slide_limit[b], across)), rows[2])
         return 4
-    return 3
+    # Of the forces along the edge only the sum is known: all of it is put at a.
+    set_column(m, 3, b, across, across)
+    set_column(m, 4, b, rows[2], rows[2])
+    return 5
 
 
 @jit
@@ -282,13 +281,6 @@ def flat_push(m: Memory, rows: Rows, i: int, pivot: int) -> Vector:
     return rows[2] if i == pivot else sliding_push(m, rows, i)
 
 
-@inlined
-def load_all(s: Run, m: Memory) -> None:
-    """Let all vertices that touch bear pressure."""
-    for i in touched(s, m):
-        m.loaded[i] = 1
-
-
 @jit
 def _write_effect(s: Run, m: Memory, rows: Rows, i: int, push: Vector, pivot: int, row: int) -> None:
     """Write what a force at vertex i along push does, times the mass: change of height below the centroid and its slopes, and the
@@ -386,7 +378,8 @@ def _load(s: Run, m: Memory, n: int) -> bool:
 def _press(s: Run, m: Memory, n: int, pivot: int) -> bool:
     """Find λ; it stands in memory. False where there is none: then it is that of the last three vertices or more, and goes on
     smoothly beyond the mode's end."""
-    load_all(s, m)
+    for i in touched(s, m):
+        m.loaded[i] = 1
     m.multiplier[:] = 0.0
     missed = _write_system(s, m, n)
     for _ in range(SETS):
@@ -427,6 +420,16 @@ def flat_margin(s: Run, m: Memory, ok: bool) -> float:
         elif x > third:
             third = x
     return third if ok else min(least, 0.0)
+
+
+@jit
+def pivot_directions(s: Run, m: Memory, rows: Rows, a: int, sign: float) -> None:
+    """Directions of all vertices of a flat base that turns about vertex a."""
+    for i in touched(s, m):
+        if i != a:
+            dx, dy = place(m, rows, i, 1) - place(m, rows, a, 1), place(m, rows, i, 2) - place(m, rows, a, 2)
+            size = math.sqrt(dx * dx + dy * dy)
+            m.slide[i, 0], m.slide[i, 1] = -sign * dy / size, sign * dx / size
 
 
 @jit
@@ -530,8 +533,7 @@ def _direction(s: Run, m: Memory, rows: Rows, mode: int, a: int, b: int, i: int,
                 if high - low <= CONVERGED:
                     break
                 mid = 0.5 * (low + high)
-                value = _across_at(s, m, rows, mode, a, b, i, mid)
-                if below * value > 0.0:
+                if below * _across_at(s, m, rows, mode, a, b, i, mid) > 0.0:
                     low = mid
                 else:
                     high = mid

@@ -15,13 +15,13 @@ from analytic.spatial.kernel.contact import (
     flat_margin,
     free_accelerations,
     normal,
+    pivot_directions,
     set_column,
     solve_columns,
     solve_flat,
     tangent,
     vertex_velocities,
 )
-from analytic.spatial.kernel.modes import pivot_directions
 from analytic.spatial.kernel.records import (
     DOES,
     EDGE_PIVOT,
@@ -145,9 +145,8 @@ def rates(s: Run, m: Memory, y: Floats, t: float, out: Floats) -> None:
         accel, alpha = g, apply(m.inverse, momentum)
     elif s.mode == VERTEX_STICK or s.mode == EDGE_STICK:
         arm = row3(m.at, s.a)
-        down = to_body(rows, g)
         # About the fixed vertex O, r from it to the centroid −arm: I_O ω̇ + ω × I_O ω = m r × g_e.
-        turn = times(s.mass_kg, cross(down, arm))
+        turn = times(s.mass_kg, cross(to_body(rows, g), arm))
         if s.mode == VERTEX_STICK:
             about = minus(momentum, times(s.mass_kg, cross(spin, cross(arm, cross(spin, arm)))))
             alpha = apply(m.about[s.a], plus(turn, about))
@@ -181,8 +180,7 @@ def sliding_power(s: Run, m: Memory, y: Floats, rows: Rows) -> float:
     """Work lost in a second by the forces in memory where they slide: −Σ F · v, W."""
     spin, v, total = vector(y, 10), to_body(rows, vector(y, 7)), 0.0
     for i in touched(s, m):
-        x = plus(v, cross(spin, row3(m.at, i)))
-        total -= dot(row3(m.force, i), x)
+        total -= dot(row3(m.force, i), plus(v, cross(spin, row3(m.at, i))))
     return total
 
 
@@ -205,15 +203,13 @@ def vertex_place(m: Memory, y: Floats, i: int) -> Vector:
 @jit
 def hold_place(s: Run, m: Memory, y: Floats) -> None:
     """Turn and shift the body so that what touches is on the floor, and what sticks is where it stuck."""
-    still = (0.0, 0.0, 0.0)
     if s.mode == FLIGHT or s.mode == VERTEX_STICK or s.mode == VERTEX_SLIDE:
-        turn(y, still)
+        turn(y, (0.0, 0.0, 0.0))
     elif touches_flat(s.mode):
         i, j, k = m.touch[0], m.touch[1], m.touch[2]
         rows = axes(y)
         p = row3(m.at, i)
-        up = cross(minus(row3(m.at, j), p), minus(row3(m.at, k), p))
-        up = to_table(rows, up)
+        up = to_table(rows, cross(minus(row3(m.at, j), p), minus(row3(m.at, k), p)))
         up = times(1.0 / length(up), up)
         # What is left is small: the cross product of two unit vectors is the turn from one to the other, to third order.
         turn(y, cross(up, (0.0, 0.0, 1.0)))

@@ -22,7 +22,7 @@ from pydantic import ValidationError
 
 from analytic.block import AnalyticInputError
 from analytic.excitation import SampledAcceleration
-from analytic.solution import LEFT_BY, OUTCOMES, peak_is_ahead
+from analytic.problem import LEFT_BY, OUTCOMES, peak_is_ahead
 from analytic.sweep import CertifiedRows, certify_rows
 from harness import engines
 from harness.accuracy.forecast import CERTIFIED_S, START_S, expected_steps, run_s, timed_step_s
