@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from meshes.mesh import Array, Doubt, Faces, RawMesh, area_vector, require, triangulated, weld
+from meshes.mesh import Array, Doubt, Faces, RawMesh, area_vector, double_areas, require, triangulated, weld
 from meshes.processing_log import rims
 
 WALL_COVERS: Final = 0.7
@@ -51,8 +51,7 @@ def _wall(vertices: Array, faces: Faces) -> Beside | None:
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(vertices)
-    corners = vertices[hull.simplices]
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = 0.5 * np.linalg.norm(double_areas(vertices, hull.simplices), axis=1)
     normal = hull.equations[:, :3]
     left = np.where(np.abs(normal[:, 2]) < UPRIGHT, area, 0.0)
     while left.max() > 0.0:
@@ -66,8 +65,12 @@ def _wall(vertices: Array, faces: Faces) -> Beside | None:
         layer = attached_floor(turned, faces)
         if layer is not None and layer.certain:
             said = f"an outermost {layer.cut_m:.3g} m of {layer.times:.3g} times the outline of all before it: a wall"
-            doubt = Doubt("scan_wall", {"layer_m": layer.cut_m, "times": layer.times})
-            return Beside(said, doubt, float(np.rad2deg(azimuth)) % 360.0, -float(turned[:, 2].min()) - layer.cut_m)
+            return Beside(
+                said,
+                Doubt("scan_wall", {"layer_m": layer.cut_m, "times": layer.times}),
+                azimuth_deg=float(np.rad2deg(azimuth)) % 360.0,
+                distance_m=-float(turned[:, 2].min()) - layer.cut_m,
+            )
     return None
 
 
@@ -86,7 +89,7 @@ def _second_body(vertices: Array, faces: Faces) -> Beside | None:
     corners = np.concatenate([vertices[faces[~coarse]], fine[0][fine[1]]])
     projected = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     middle = corners.mean(axis=1)
-    narrowest: tuple[float, Beside] | None = None
+    found: list[tuple[float, Beside]] = []
     for azimuth in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:
         along = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
         places, first, last = middle @ along, float((vertices @ along).min()), float((vertices @ along).max())
@@ -99,16 +102,19 @@ def _second_body(vertices: Array, faces: Faces) -> Beside | None:
         inside = (before > LEAST_VOLUME) & (before < 1.0 - LEAST_VOLUME) & (sides > 0.0)
         share = np.where(inside, section / np.where(sides > 0.0, sides, 1.0), np.inf)
         at = int(share.argmin())
-        if share[at] > NECK or (narrowest is not None and share[at] >= narrowest[0]):
+        if share[at] > NECK:
             continue
         cut, beyond = first + (last - first) * (at + 1) / SECTIONS, 1.0 - float(before[at])
-        part = f"{100 * min(beyond, 1.0 - beyond):.0f} % of the volume beyond it"
-        said = f"a section of {100 * share[at]:.0f} % of those to its sides, and {part}: a second body"
-        far = beyond <= 0.5
-        doubt = Doubt("scan_second_body", {"section": float(share[at]), "beyond": min(beyond, 1.0 - beyond)})
-        body = Beside(said, doubt, float(np.rad2deg(azimuth)) + (0.0 if far else 180.0), cut if far else -cut)
-        narrowest = float(share[at]), body
-    return narrowest[1] if narrowest else None
+        far, least = beyond <= 0.5, min(beyond, 1.0 - beyond)
+        body = Beside(
+            f"a section of {100 * share[at]:.0f} % of those to its sides, and {100 * least:.0f} % of the volume beyond it:"
+            " a second body",
+            Doubt("scan_second_body", {"section": float(share[at]), "beyond": least}),
+            azimuth_deg=float(np.rad2deg(azimuth)) + (0.0 if far else 180.0),
+            distance_m=cut if far else -cut,
+        )
+        found.append((float(share[at]), body))
+    return min(found, key=lambda each: each[0])[1] if found else None
 
 
 def _turn(azimuth: float) -> Array:

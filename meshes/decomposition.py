@@ -48,12 +48,11 @@ def parts_of(
 
     Raises `MeshError` as `decompose` does.
     """
-    if reason := missing():
-        raise MeshError("a convex decomposition", f"none: {reason}")
+    reason = missing()
+    require(not reason, "a convex decomposition", f"none: {reason}")
 
     def made() -> str:
-        parts = decompose(solid, concavity, max_parts, max_vertices)
-        return json.dumps([corners.tolist() for corners in parts])
+        return json.dumps([corners.tolist() for corners in decompose(solid, concavity, max_parts, max_vertices)])
 
     state = _state(solid, concavity, max_parts, max_vertices)
     return tuple(np.array(each) for each in json.loads(text_cache.made_once("parts", state, made)))

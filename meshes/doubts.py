@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from meshes.beside import Floor, attached_beside, attached_floor
 from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, double_areas
 from meshes.orientation import up_doubted
-from meshes.processing_log import Edges, by_part, parts
+from meshes.processing_log import Edges, by_part, connected, parts
 from meshes.solid import mass_properties
 
 # Where a surface passes through itself: triangles pierced by another's edge, parts turned inside out by it.
@@ -35,8 +35,8 @@ def crossings(vertices: Array, faces: Faces, most: int = 50_000) -> tuple[Doubt,
     piercing, looked_at = _piercing(vertices, faces, chosen, shared=0)
     if not len(piercing):
         return ()
-    values = {"faces": len(piercing), "looked_at": looked_at, "share": len(piercing) / looked_at}
-    return (Doubt("scan_crosses_itself", values),)
+    share = len(piercing) / looked_at
+    return (Doubt("scan_crosses_itself", {"faces": len(piercing), "looked_at": looked_at, "share": share}),)
 
 
 def _piercing(vertices: Array, faces: Faces, chosen: Faces, shared: int) -> tuple[Faces, int]:
@@ -114,9 +114,6 @@ def pinched(vertices: Array, faces: Faces) -> float:
     itself all round its neck, or whose neck is one point, is two bodies and no statue. Edges that meet exactly pierce nothing, so
     the corners are first shifted by less than any scanner resolves.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     extent = float(np.ptp(vertices, axis=0).max())
     shifted = vertices + SHIFT * extent * np.random.default_rng(1).uniform(-1.0, 1.0, vertices.shape)
     piercing, shell = _piercing(shifted, faces, np.arange(len(faces)), shared=1)[0], parts(faces)
@@ -125,9 +122,7 @@ def pinched(vertices: Array, faces: Faces) -> float:
         return 1.0
     edges = Edges.of(left)
     pair = edges.first[edges.faces_at == 2]
-    ends = (edges.face[pair], edges.face[pair + 1])
-    graph = coo_array((np.ones(len(pair), dtype=np.int8), ends), shape=(len(left),) * 2)
-    number = connected_components(graph, directed=False)[1]
+    number = connected(len(left), edges.face[pair], edges.face[pair + 1])
     areas = np.bincount(number, weights=np.linalg.norm(double_areas(vertices, left), axis=1))
     largest = np.zeros(int(shell.max()) + 1)
     np.maximum.at(largest, np.delete(shell, piercing), areas[number])
@@ -140,8 +135,7 @@ def wrongly_sided(vertices: Array, faces: Faces, samples: int = SAMPLES) -> floa
     Counted on `samples` faces drawn by area (fixed seed): around a point of a body's surface all other faces together wind half
     a turn; parts turned inside out by a crossing (an hourglass) wind less, parts buried in another one and a half.
     """
-    vectors = double_areas(vertices, faces)
-    areas = np.linalg.norm(vectors, axis=1)
+    areas = np.linalg.norm(double_areas(vertices, faces), axis=1)
     drawn = np.random.default_rng(0).choice(len(faces), samples, p=areas / areas.sum())
     corners = [np.ascontiguousarray(vertices[corner].T) for corner in faces.T]
     turns = [_turns(corners, int(face)) for face in drawn]

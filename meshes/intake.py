@@ -104,8 +104,7 @@ def read_ply(data: bytes) -> tuple[NDArray[Any], Faces]:
                     faces.append(_triangulated(vertices, lists))
                 else:
                     faces.extend(_of_strip(strip) for strip in np.split(lists[0], np.cumsum(lists[1])[:-1]))
-    kind = np.float32 if vertices.dtype.itemsize == 4 else np.float64
-    return vertices.astype(kind), np.vstack(faces)
+    return vertices.astype(np.float32 if vertices.dtype.itemsize == 4 else np.float64), np.vstack(faces)
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], int]:
@@ -202,8 +201,7 @@ def _ragged(data: bytes, begin: int, element: _Element) -> tuple[dict[str, Any],
 def _of_strip(strip: Faces) -> Faces:
     """Triangles (m, 3) of strips that −1 ends: each vertex makes one with the two before it, every second one turned."""
     triangles = [np.empty((0, 3), dtype=np.int64)]
-    ends = np.flatnonzero(strip == _STRIP_END)
-    for piece in np.split(strip, ends):
+    for piece in np.split(strip, np.flatnonzero(strip == _STRIP_END)):
         run = piece[piece != _STRIP_END]
         if len(run) > 2:
             each = np.column_stack([run[:-2], run[1:-1], run[2:]])
@@ -368,8 +366,8 @@ def _must_be_there(file: Path) -> None:
     try:
         str(file).encode("utf-8")
     except UnicodeEncodeError:
-        shown = ascii(str(file).encode("utf-8", "surrogateescape"))[2:-1]
-        raise MeshError("a file name in UTF-8", "other bytes", "rename the file", place=shown) from None
+        place = ascii(str(file).encode("utf-8", "surrogateescape"))[2:-1]
+        raise MeshError("a file name in UTF-8", "other bytes", "rename the file", place) from None
     try:
         there = file.is_file()
     except OSError as error:

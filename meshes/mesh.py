@@ -71,8 +71,7 @@ def drop_unused(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
     """The vertices that some face uses, in their order, and the faces renumbered."""
     used = np.zeros(len(vertices), dtype=bool)
     used[faces.ravel()] = True
-    number = np.cumsum(used) - 1
-    return vertices[used], number[faces]
+    return vertices[used], (np.cumsum(used) - 1)[faces]
 
 
 def manifold(vertices: Array, faces: Faces) -> Any:

@@ -131,8 +131,7 @@ def find_orientation(mesh: RawMesh) -> Orientation:
     if other is not None:
         if not _is_column(best, other):
             raise _unclear("one end that is the base", [best, other], hull, mesh)
-        taken = name_direction(best.up)
-        doubts.append(Doubt("scan_column", {"up": name_direction(other.up), "taken": taken}))
+        doubts.append(Doubt("scan_column", {"up": name_direction(other.up), "taken": name_direction(best.up)}))
     orientation = _levelled(best)
     if orientation.tilt_rad > SAME_RAD:
         doubts.append(Doubt("scan_askew", {"up": name_direction(best.up), "tilt_rad": orientation.tilt_rad}))
@@ -165,8 +164,8 @@ def _unclear(wanted: str, candidates: list[_Base], hull: _Hull, mesh: RawMesh) -
     """The refusal that names the candidates, and the broadest of what it rests on besides."""
     for down in sorted(hull.rests(), key=lambda down: -hull.area(down, SAME_RAD))[:SHOWN]:
         if all(base.up @ -down < np.cos(SAME_RAD) for base in candidates):
-            height = float(np.ptp(mesh.vertices @ down))
-            candidates = [*candidates, _Base(-down, hull.area(down, SAME_RAD), height, 0.0)]
+            rest = _Base(-down, hull.area(down, SAME_RAD), float(np.ptp(mesh.vertices @ down)), 0.0)
+            candidates = [*candidates, rest]
     got = f"{len(candidates)} to choose from: {'; '.join(f'--up {base}' for base in candidates)}"
     see = shlex.join(["rockcheck", "mesh", "inspect", mesh.source, f"--up={name_direction(candidates[0].up)}"])
     return MeshError(wanted, got, f"look at each, as by `{see} --picture up.png`, and set --up", place=mesh.source)
@@ -221,8 +220,7 @@ def _largest_rim(mesh: RawMesh) -> Array | None:
 def _tilt_error(rim: Array) -> float:
     """Standard error of the tilt of a ragged rim's plane: residual over radius and the root of the independent
     points."""
-    centred = rim - rim.mean(axis=0)
-    sizes = np.linalg.svd(centred, compute_uv=False)
+    sizes = np.linalg.svd(rim - rim.mean(axis=0), compute_uv=False)
     return float(sizes[2] / sizes[1] / np.sqrt(max(len(rim) / RAGGED_RUN, 3.0)))
 
 
@@ -243,8 +241,7 @@ class _Hull:
         size = float(np.ptp(mesh.vertices, axis=0).max())
         scaled = np.round(hull.equations / [1.0, 1.0, 1.0, size], 9)
         _, first, number = np.unique(scaled, axis=0, return_index=True, return_inverse=True)
-        corners = mesh.vertices[hull.simplices]
-        areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        areas = 0.5 * np.linalg.norm(double_areas(mesh.vertices, hull.simplices), axis=1)
         normals, offsets = hull.equations[first, :3], hull.equations[first, 3]
         centroid = measure(mesh).centroid_m
         return cls(

@@ -15,7 +15,7 @@ from meshes import repair
 from meshes.beside import attached_floor, cut_below, cut_beyond
 from meshes.doubts import crossings, floor_refused, not_one_body, other_attached
 from meshes.intake import must_be_of_a_statue_s_size, must_have_size, must_have_thickness, read_mesh, unit_length_m
-from meshes.mesh import Array, Doubt, Faces, MeshError, RawMesh, drop_unused, require, unique_rows, weld
+from meshes.mesh import Array, Doubt, MeshError, RawMesh, drop_unused, require, unique_rows, weld
 from meshes.orientation import Orientation, find_orientation, turn_axis
 from meshes.processing_log import Change, EdgeCount, ProcessingLog, parts
 from meshes.repair import close_pinches, open_branches
@@ -79,8 +79,7 @@ def simplified(mesh: RawMesh, max_faces: int, keep_below_m: float) -> RawMesh | 
     """The mesh with its faces above the base simplified by quadric error, or why that cannot be."""
     from fast_simplification import simplify
 
-    level = mesh.vertices[:, 2].min() + keep_below_m
-    low = (mesh.vertices[:, 2] <= level)[mesh.faces].any(axis=1)
+    low = (mesh.vertices[:, 2] <= mesh.vertices[:, 2].min() + keep_below_m)[mesh.faces].any(axis=1)
     target = max_faces - int(low.sum())
     if target < FEWEST or not (~low).any():
         return {"cause": "base", "base": int(low.sum()), "fewest": FEWEST}
@@ -104,7 +103,8 @@ def _sound(mesh: RawMesh) -> RawMesh | None:
     """The mesh without what edge collapses leave: faces back to back dropped, pinched edges opened, the holes
     closed."""
     for _ in range(ROUNDS):
-        mesh = mesh.with_faces(_unfolded(mesh.faces))
+        number = unique_rows(np.sort(mesh.faces, axis=1))[1]
+        mesh = mesh.with_faces(mesh.faces[np.bincount(number)[number] == 1])
         if EdgeCount.of(mesh.faces).closed:
             return mesh
         try:
@@ -113,12 +113,6 @@ def _sound(mesh: RawMesh) -> RawMesh | None:
         except MeshError:
             return None
     return None
-
-
-def _unfolded(faces: Faces) -> Faces:
-    """The faces without those that lie on another one with the same three vertices."""
-    number = unique_rows(np.sort(faces, axis=1))[1]
-    return np.asarray(faces[np.bincount(number)[number] == 1])
 
 
 MOST_INVENTED_REL = 0.05

@@ -63,20 +63,27 @@ class EdgeCount:
         """Counted over the undirected edges of `faces` (m, 3)."""
         edges = Edges.of(faces)
         pairs = edges.first[edges.faces_at == 2]
-        same_way = edges.start[pairs] == edges.start[pairs + 1]
-        return cls(int((edges.faces_at == 1).sum()), int((edges.faces_at > 2).sum()), int(same_way.sum()))
+        return cls(
+            boundary=int((edges.faces_at == 1).sum()),
+            branching=int((edges.faces_at > 2).sum()),
+            misoriented=int((edges.start[pairs] == edges.start[pairs + 1]).sum()),
+        )
+
+
+def connected(count: int, one: Indices, other: Indices) -> Indices:
+    """Number (count,) of the group of each of so many things, of which these are joined in pairs."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(one), dtype=np.int8), (one, other)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def parts(faces: Faces) -> Indices:
     """Number (m,) of the part that each face belongs to, parts joined through common vertices, part 0 the one of face
     0."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    count = int(faces.max(initial=-1)) + 1
     ends = np.vstack([faces[:, :2], faces[:, 1:]])
-    graph = coo_array((np.ones(len(ends), dtype=np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))
-    labels = connected_components(graph, directed=False)[1][faces[:, 0]]
+    labels = connected(int(faces.max(initial=-1)) + 1, ends[:, 0], ends[:, 1])[faces[:, 0]]
     _, first, number = np.unique(labels, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[number].astype(np.int64)
 
@@ -131,8 +138,7 @@ def wound_alike(faces: Faces) -> tuple[Faces, int]:
     edges = Edges.of(faces)
     pair = edges.first[edges.faces_at == 2]
     left, right = edges.face[pair], edges.face[pair + 1]
-    opposed = edges.start[pair] == edges.start[pair + 1]
-    weight = np.where(opposed, 2, 1).astype(np.int8)
+    weight = np.where(edges.start[pair] == edges.start[pair + 1], 2, 1).astype(np.int8)
     graph = coo_array(
         (np.r_[weight, weight], (np.r_[left, right], np.r_[right, left])), shape=(len(faces),) * 2
     ).tocsr()
@@ -179,9 +185,12 @@ class Change:
             return self
         shift = float(np.linalg.norm(new.centroid_m - old.centroid_m))
         old_trace, new_trace = (float(np.trace(each.inertia_per_density_m5)) for each in (old, new))
-        inertia = new_trace / old_trace - 1.0 if old_trace > 0.0 else math.nan
-        volume = new.volume_m3 / old.volume_m3 - 1.0
-        return replace(self, volume_rel=volume, centroid_m=shift, inertia_rel=inertia)
+        return replace(
+            self,
+            volume_rel=new.volume_m3 / old.volume_m3 - 1.0,
+            centroid_m=shift,
+            inertia_rel=new_trace / old_trace - 1.0 if old_trace > 0.0 else math.nan,
+        )
 
 
 @dataclass(frozen=True)
@@ -204,11 +213,10 @@ class ProcessingLog:
     def invented_rel(self) -> dict[str, float]:
         """Volume taken away as debris or added as base and holes, signs ignored, by step: the limit on repair is held
         against their sum."""
-        steps: dict[str, float] = dict.fromkeys(("debris", "base", "holes"), 0.0)
-        for change in self.changes:
-            if change.step in steps and change.volume_rel is not None:
-                steps[change.step] += abs(change.volume_rel)
-        return steps
+        return {
+            step: sum((abs(each.volume_rel or 0.0) for each in self.changes if each.step == step), 0.0)
+            for step in ("debris", "base", "holes")
+        }
 
     def as_dict(self) -> dict[str, object]:
         """The log as plain values."""

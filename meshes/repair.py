@@ -73,8 +73,7 @@ def _noise(rim: Array, extent: float) -> float:
     """
     edge = float(np.median(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1)))
     longest = min(max(1, int(LAG_SHARE * extent / max(edge, 1e-300))), len(rim) // 12)
-    lags = {1, *(2**k for k in range(1, 8) if 2**k <= longest)}
-    return max(_noise_at(rim, lag) for lag in lags)
+    return max(_noise_at(rim, lag) for lag in (1, *(2**k for k in range(1, 8) if 2**k <= longest)))
 
 
 def _noise_at(rim: Array, lag: int) -> float:
@@ -255,8 +254,7 @@ def close_pinches(mesh: RawMesh) -> RawMesh:
     vertices, faces = [mesh.vertices], [mesh.faces]
     for number, rim in enumerate(rims(mesh.faces)):
         vertices.append(mesh.vertices[rim].mean(axis=0)[None, :])
-        hub = np.full(len(rim), len(mesh.vertices) + number)
-        faces.append(np.column_stack([np.roll(rim, -1), rim, hub]))
+        faces.append(np.column_stack([np.roll(rim, -1), rim, np.full(len(rim), len(mesh.vertices) + number)]))
     return RawMesh(np.vstack(vertices), np.vstack(faces), mesh.source)
 
 
@@ -281,13 +279,13 @@ def close_holes(mesh: RawMesh) -> Repaired:
         widest = max(widest, width)
         around = rim[::-1]
         vector = area_vector(mesh.vertices[around])
-        without_area = np.linalg.norm(vector) == 0.0
-        added.append(around[fan(len(rim)) if without_area else triangulated(mesh.vertices[around], vector)])
+        flat = triangulated(mesh.vertices[around], vector) if np.linalg.norm(vector) > 0.0 else fan(len(rim))
+        added.append(around[flat])
     closed = RawMesh(mesh.vertices, np.vstack([mesh.faces, *added]), mesh.source)
     if EdgeCount.of(closed.faces).branching > EdgeCount.of(mesh.faces).branching:
         closed = close_pinches(mesh)  # a new edge lay on an old one beside the hole
-    values = {"holes": len(holes), "widest_m": widest}
-    return closed, Change("prepared_holes", "holes", values, len(holes)).measured(mesh, closed)
+    made = Change("prepared_holes", "holes", {"holes": len(holes), "widest_m": widest}, len(holes))
+    return closed, made.measured(mesh, closed)
 
 
 Part = tuple[NDArray[np.float64], NDArray[np.int64]]
@@ -334,13 +332,11 @@ def open_branches(mesh: RawMesh, largest_share: float = MOST_BRANCHING) -> Repai
         place=mesh.source,
     )
     bad = np.unique(edges.face[branching])
-    free = np.unique(edges.face[np.repeat(edges.faces_at == 1, edges.faces_at)])
-    fins = np.intersect1d(bad, free)
+    fins = np.intersect1d(bad, edges.face[np.repeat(edges.faces_at == 1, edges.faces_at)])
     if len(fins):
         trimmed = mesh.with_faces(np.delete(mesh.faces, fins, axis=0))
         if EdgeCount.of(trimmed.faces).branching == 0:
-            values = {"edges": count, "faces": len(fins)}
-            return trimmed, Change("prepared_fins", "non-manifold", values, len(fins))
+            return trimmed, Change("prepared_fins", "non-manifold", {"edges": count, "faces": len(fins)}, len(fins))
     opened = mesh.with_faces(np.delete(mesh.faces, bad, axis=0))
     return opened, Change("prepared_branches", "non-manifold", {"edges": count, "faces": len(bad)}, len(bad))
 

@@ -215,8 +215,7 @@ def write_glb(solid: Solid, path: Path) -> None:
     """Write the solid's surface as binary glTF, in metres, z up as in the statue's frame."""
     import trimesh
 
-    mesh = trimesh.Trimesh(solid.vertices_m, solid.faces, process=False)
-    mesh.export(path, file_type="glb")
+    trimesh.Trimesh(solid.vertices_m, solid.faces, process=False).export(path, file_type="glb")
 
 
 # A convex hull within a vertex budget, and how far a statue's hull is from the statue.

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes import footprint as base
 from meshes.intake import closed_mesh
-from meshes.mesh import Array, Faces, MeshError, manifold, require
+from meshes.mesh import Array, Faces, manifold, require
 from meshes.processing_log import Edges
 from meshes.solid import Solid, mass_properties, solid_from_mesh
 
@@ -32,8 +32,11 @@ def with_mass(solid: Solid, mass_kg: float, centroid_m: Array, inertia_kg_m2: Ar
     )
     shift = np.array([centroid_m[0], centroid_m[1], 0.0])
     footprint = solid.footprint_m - shift
-    beside = f"one at ({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m, beside it"
-    require(base.margin_m(footprint) > 0.0, "a centroid above the base", beside)
+    require(
+        base.margin_m(footprint) > 0.0,
+        "a centroid above the base",
+        f"one at ({centroid_m[0]:.4g}, {centroid_m[1]:.4g}) m, beside it",
+    )
     return replace(
         solid,
         vertices_m=solid.vertices_m - shift,
@@ -150,13 +153,12 @@ def load_hollow(
         "both or neither",
         "give one of them",
     )
-    density = density_kg_m3
-    if mass_kg is not None:
-        density = (mass_kg - inside_kg_m3 * hollow) / (volume - hollow)
-    if density is None or not density > 0.0:
-        raise MeshError(
-            f"a weighed mass above that of the core, {inside_kg_m3 * hollow:.5g} kg", f"{mass_kg or 0.0:g} kg"
-        )
+    density = density_kg_m3 if mass_kg is None else (mass_kg - inside_kg_m3 * hollow) / (volume - hollow)
+    require(
+        density is not None and density > 0.0,
+        f"a weighed mass above that of the core, {inside_kg_m3 * hollow:.5g} kg",
+        f"{mass_kg or 0.0:g} kg",
+    )
     solid = solid_from_mesh(
         around.vertices, around.faces, density_kg_m3=density, contact_tolerance_m=contact_tolerance_m
     )

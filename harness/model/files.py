@@ -135,16 +135,11 @@ def _digest(stream: BinaryIO, size: int) -> str:
 def _seal(kind: str, digest: str) -> bytes:
     """The last bytes of a sealed file of that kind."""
     said = (MARK + digest).encode()
-    match kind:
-        case ".json":
-            seal = b',\n "seal": "%b"' % said
-        case ".pdf":
-            seal = b"\n%%%b\n" % said
-        case ".gif":
-            seal = b"!\xfe%c%b\0" % (len(said), said)
-        case ".png":
-            chunk = b"tEXtComment\0" + said
-            seal = (len(chunk) - 4).to_bytes(4, "big") + chunk + zlib.crc32(chunk).to_bytes(4, "big")
-        case _:
-            seal = b"<!-- %b -->\n" % said
-    return seal + ENDS[kind]
+    chunk = b"tEXtComment\0" + said
+    seals = {
+        ".json": b',\n "seal": "%b"' % said,
+        ".pdf": b"\n%%%b\n" % said,
+        ".gif": b"!\xfe%c%b\0" % (len(said), said),
+        ".png": (len(chunk) - 4).to_bytes(4, "big") + chunk + zlib.crc32(chunk).to_bytes(4, "big"),
+    }
+    return seals.get(kind, b"<!-- %b -->\n" % said) + ENDS[kind]

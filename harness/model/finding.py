@@ -136,9 +136,8 @@ class Shown(ABC):
     def to_dataframe(self) -> pandas.DataFrame:
         """Its table as a data frame. Raises `InputError` without pandas (the extra [frames])."""
         columns = dict(self.columns())
-        index = next(iter(columns))
-        frame: pandas.DataFrame = library("pandas", "to_dataframe").DataFrame(columns).set_index(index)
-        return frame
+        whole: pandas.DataFrame = library("pandas", "to_dataframe").DataFrame(columns)
+        return whole.set_index(next(iter(columns)))
 
     def to_xarray(self) -> xarray.Dataset:
         """Its table as a dataset along its index. Raises `InputError` without xarray (the extra [frames])."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
@@ -71,13 +71,7 @@ class Pair:
         count = max(int(np.searchsorted(self.t_s, end_s, side="right")), 1)
         if count == self.t_s.size:
             return self
-        return Pair(
-            self.t_s[:count],
-            self.theta_a_rad[:count],
-            self.theta_b_rad[:count],
-            self.slip_a_m[:count],
-            self.slip_b_m[:count],
-        )
+        return Pair(*(getattr(self, each.name)[:count] for each in fields(self)))
 
 
 def pair(a: History, b: History, *, hold_a: bool = False, hold_b: bool = False) -> Pair:
@@ -213,8 +207,8 @@ class History(Shown):
     def __post_init__(self) -> None:
         for name in COLUMNS:
             object.__setattr__(self, name, _frozen(getattr(self, name)))
-        extra = {name: _frozen(values) for name, values in self.extra.items()}
-        object.__setattr__(self, "extra", MappingProxyType(extra))
+        extra = MappingProxyType({name: _frozen(values) for name, values in self.extra.items()})
+        object.__setattr__(self, "extra", extra)
         size = self.t_s.shape
         if len(size) != 1 or size[0] == 0:
             raise ValueError(f"a history wants at least one sample in one dimension, got shape {size}")
@@ -222,8 +216,7 @@ class History(Shown):
             if values.shape != size:
                 raise ValueError(f"column {name} has shape {values.shape}, t_s has {size}")
             if not np.isfinite(values).all():
-                first = int(np.flatnonzero(~np.isfinite(values))[0])
-                raise ValueError(f"column {name} is not finite at sample {first}")
+                raise ValueError(f"column {name} is not finite at sample {np.flatnonzero(~np.isfinite(values))[0]}")
         if (self.t_s[1:] <= self.t_s[:-1]).any():
             raise ValueError("times of a history must increase strictly")
 
@@ -280,8 +273,8 @@ class History(Shown):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A read-only view of a mapping cannot be pickled; workers send histories home.
-        resolution = self.resolution_rad, self.resolution_m
-        return History, (*(getattr(self, name) for name in COLUMNS), dict(self.extra), *resolution)
+        own = (getattr(self, name) for name in COLUMNS)
+        return History, (*own, dict(self.extra), self.resolution_rad, self.resolution_m)
 
     def columns(self) -> dict[str, Array]:
         """All columns by name, the contract's first, in the order of the file."""

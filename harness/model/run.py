@@ -349,5 +349,8 @@ def machine() -> dict[str, str | int]:
         names = [platform.processor()]
     else:
         names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    processor = next(filter(None, names), platform.machine())
-    return {"system": platform.system(), "processor": processor, "cores": os.cpu_count() or 1}
+    return {
+        "system": platform.system(),
+        "processor": next(filter(None, names), platform.machine()),
+        "cores": os.cpu_count() or 1,
+    }

@@ -163,8 +163,7 @@ class RunSet(Shown):
         return replace(self, table=table, histories=[self.histories[k] for k in places] if self.histories else ())
 
     def _falls(self) -> NDArray[np.bool_]:
-        outcomes = self.table["outcome"].tolist()
-        return np.array([each is not None and Outcome(each).overturned for each in outcomes], dtype=bool)
+        return np.array([each is not None and Outcome(each).overturned for each in self.table["outcome"]], dtype=bool)
 
     def _check(self, *names: str) -> None:
         for name in names:
@@ -195,6 +194,10 @@ def run_set(
     """Runs as a table: what varied in each, who answered, its outcome, whether the statue overturned, and `numbers` by column."""
     keys = list(dict.fromkeys(key for each in varied for key in each))
     table: dict[str, Column] = {key: column_of([each.get(key) for each in varied]) for key in keys}
-    falls = np.array([Outcome(end).overturned for end in outcomes])
-    table |= {"engine": column_of(engines), "outcome": column_of(outcomes), "overturned": falls, **numbers}
+    table |= {
+        "engine": column_of(engines),
+        "outcome": column_of(outcomes),
+        "overturned": np.array([Outcome(end).overturned for end in outcomes]),
+        **numbers,
+    }
     return RunSet(title, keys, answered(table), histories)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from analytic.block import OVERTURN_RAD as OVERTURN_RAD
 from analytic.block import rotation_matrices
 from analytic.excitation import Excitation, Harmonic, Pulse, SampledAcceleration, ZeroExcitation
-from harness.model.errors import InputError, Mistake, require, required
+from harness.model.errors import require, required
 from harness.model.finding import Axes, Finding, Shown, new_axes
 from harness.model.history import Array, numbers
 from harness.model.run import OMITTED
@@ -216,6 +216,7 @@ class Contact:
 
 MOTIONS: Final = (ZeroExcitation, Harmonic, Pulse, SampledAcceleration)
 """What the floor's acceleration along an axis may be."""
+_SAMPLED: Final = f"one of {', '.join(each.__name__ for each in MOTIONS)}"
 
 
 @dataclass(frozen=True)
@@ -229,12 +230,9 @@ class BaseExcitation:
     z: Excitation = field(default_factory=ZeroExcitation)
 
     def __post_init__(self) -> None:
-        for axis in "xyz":
-            kind = type(getattr(self, axis))
-            if kind not in MOTIONS:
-                wanted = f"one of {', '.join(each.__name__ for each in MOTIONS)}"
-                advice = "sample it: scene.with_motion(accel_m_s2, dt_s)"
-                raise InputError(Mistake("BaseExcitation", axis, wanted, kind.__name__, advice))
+        advice = "sample it: scene.with_motion(accel_m_s2, dt_s)"
+        for axis, part in zip("xyz", self.parts, strict=True):
+            require(type(part) in MOTIONS, "BaseExcitation", _SAMPLED, type(part).__name__, advice, key=axis)
 
     @property
     def parts(self) -> tuple[Excitation, Excitation, Excitation]:
@@ -253,8 +251,7 @@ class BaseExcitation:
 
     def axes(self, dimensions: int = 3) -> tuple[str, ...]:
         """The axes along which the floor moves, of those that a model of 2 (x and z) or 3 dimensions is given."""
-        given = "xyz" if dimensions == 3 else "xz"
-        return tuple(axis for axis in given if getattr(self, axis).peak_m_s2 > 0.0)
+        return tuple(axis for axis in ("xyz" if dimensions == 3 else "xz") if getattr(self, axis).peak_m_s2 > 0.0)
 
     def in_plane(self) -> BaseExcitation:
         """What a planar model is given of it: nothing across the rocking plane."""
@@ -324,8 +321,7 @@ class Initial:
         """The start with so much more rotation and rate in the rocking plane (of a posed body: more angular velocity only)."""
         if self.pose is None:
             return Initial(self.theta_rad + theta_rad, self.theta_rate_rad_s + rate_rad_s)
-        across = self.pose.rotation[1]
-        spin = np.array(self.pose.angular_velocity_rad_s) + rate_rad_s * across
+        spin = np.array(self.pose.angular_velocity_rad_s) + rate_rad_s * self.pose.rotation[1]
         return Initial(pose=replace(self.pose, angular_velocity_rad_s=(float(spin[0]), float(spin[1]), float(spin[2]))))
 
 
@@ -379,9 +375,14 @@ class Scene(Shown):
 
         Keywords have two underscores for each dot. Raises `InputError` for a key or value that makes no scene.
         """
-        wanted = "a scene that was loaded, whose keys are known"
-        advice = "use dataclasses.replace"
-        reader = required(self._reader, self.title, wanted, "one made of parts", advice, key="replace")
+        reader = required(
+            self._reader,
+            self.title,
+            "a scene that was loaded, whose keys are known",
+            "one made of parts",
+            "use dataclasses.replace",
+            key="replace",
+        )
         return reader(self, overrides, keys)
 
     def with_motion(self, accel_m_s2: ArrayLike, dt_s: float, axis: str = "x") -> Scene:
@@ -400,9 +401,8 @@ class Scene(Shown):
             samples.ndim == 1, place, "an array of one dimension", f"one of shape {samples.shape}", key="accel_m_s2"
         )
         wrong = np.flatnonzero(~np.isfinite(samples))
-        if wrong.size:
-            got = f"{samples[wrong[0]]} at sample {wrong[0]}"
-            raise InputError(Mistake(place, "accel_m_s2", "finite numbers", got))
+        got = f"{samples[wrong[0]]} at sample {wrong[0]}" if wrong.size else ""
+        require(not got, place, "finite numbers", got, key="accel_m_s2")
         motion, unknown = self.given.get("motion"), self.given.get("uncertainty")
         # What the file multiplies all axes by multiplies these too.
         scale = motion.get("scale") if isinstance(motion, Mapping) else None
@@ -445,8 +445,8 @@ class Scene(Shown):
     @property
     def planar(self) -> bool:
         """Whether nothing in the scene leaves the rocking plane (no shaking across it, no scan, no pose in space)."""
-        posed = self.initial.pose is not None
-        return isinstance(self.base_excitation.y, ZeroExcitation) and self.statue.solid is None and not posed
+        flat = self.statue.solid is None and self.initial.pose is None
+        return flat and isinstance(self.base_excitation.y, ZeroExcitation)
 
     @property
     def pivot_inertia_kg_m2(self) -> Mapping[int, float]:

@@ -9,11 +9,12 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from analytic.block import Block, Form, Pedestal, Wall
 from harness.model.scene import OVERTURN_RAD, Scene, Statue
 from harness.model.scene import Pedestal as Support
 
 if TYPE_CHECKING:
-    from analytic import Block, CommonKeywords, Pedestal, Wall
+    from analytic import CommonKeywords
 
 
 _BLOCKS: Final[WeakKeyDictionary[Statue, Block]] = WeakKeyDictionary()
@@ -26,8 +27,6 @@ def block_of(scene: Scene) -> Block:
     """The scene's statue in its rocking plane: the base profile of its mesh, two corners without one, and where that ends."""
     statue = scene.statue
     if (found := _BLOCKS.get(statue)) is None:
-        from analytic import Block
-
         found = Block(statue.mass_kg, statue.centroid_height_m, statue.inertia_kg_m2, statue.profile_m)
         found = _BLOCKS[statue] = _with_ends(found, statue, None)
     if scene.pedestal is None or min(found.base_ends_rad) == math.inf:
@@ -64,16 +63,12 @@ def base_end(statue: Statue, support: Support | None, block: Block, side: int) -
 
 def pedestal_of(scene: Scene) -> Pedestal | None:
     """The scene's pedestal in its rocking plane."""
-    from analytic import Pedestal
-
     given = scene.pedestal
     return None if given is None else Pedestal(given.mass_kg, given.width_m, given.height_m, given.offset_m)
 
 
 def wall_of(scene: Scene) -> Wall | None:
     """The scene's wall, and the silhouette that can touch it."""
-    from analytic import Wall
-
     if scene.wall is None:
         return None
     return Wall(scene.wall.side, scene.wall.distance_m, tuple((float(x), float(z)) for x, z in scene.statue.section_m))
@@ -81,8 +76,6 @@ def wall_of(scene: Scene) -> Wall | None:
 
 def keywords(scene: Scene) -> CommonKeywords:
     """The keywords of ``analytic.simulate`` that a scene decides."""
-    from analytic import Form
-
     return {
         "pedestal": pedestal_of(scene),
         "floor_static": scene.contact.floor_static,

@@ -153,8 +153,12 @@ def schema_of(kind: type[Record]) -> Plain:
     shape = _adapter(kind).json_schema(schema_generator=_Written)
     properties = shape.pop("properties")
     name = schema_name(properties["kind"]["const"])
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": name}
-    return {**head, **shape, "properties": {"$schema": {"const": name}, **properties, "seal": SEAL}}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": name,
+        **shape,
+        "properties": {"$schema": {"const": name}, **properties, "seal": SEAL},
+    }
 
 
 class _Written(GenerateJsonSchema):
@@ -273,8 +277,7 @@ def check_folder(
     others = [name for name in inside if name not in INSPECTED and not name.startswith(".")]
     others.sort(key=lambda name: (name != RECORD, name))
     got = f"{folder}, where {_some(others)} stand{'s' * (len(others) == 1)} without a result as rockcheck wrote it"
-    wanted = "a new or an empty folder, or one with a result of its own"
-    require(bool(found) or not others, "--out", wanted, got)
+    require(found or not others, "--out", "a new or an empty folder, or one with a result of its own", got)
     for kind in found:
         if kinds is not None and kind not in kinds:
             got = f"{folder}, which holds {'a result' if kind == finished else 'what was begun'} of this kind: {kind}"

@@ -120,9 +120,8 @@ def has_answer(run: RunRow) -> bool:
 
     Every page and the terminal count by this the models that answered.
     """
-    if run.outcome.failed or run.outcome in UNKNOWN:
-        return False
-    return tips_s(run) is None or not left_early(run)
+    ended = not run.outcome.failed and run.outcome not in UNKNOWN
+    return ended and (tips_s(run) is None or not left_early(run))
 
 
 def falls(run: RunRow) -> bool | None:
@@ -226,8 +225,7 @@ class RunRecord(Record):
 
     def texted(self, say: Say) -> RunRecord:
         """The record with its sentences, those of each pair's verdict among them."""
-        scores = {pair: each.texted(say) for pair, each in self.scores.items()}
-        return replace(super().texted(say), scores=scores)
+        return replace(super().texted(say), scores={pair: each.texted(say) for pair, each in self.scores.items()})
 
     def __post_init__(self) -> None:
         for key, names in (("histories", self.histories), ("horizons", self.horizons)):

@@ -79,8 +79,8 @@ class CaseRun(RunRow):
         same: dict[str, Any] = {name: run.get(name) for name in STORED}
         validity = {sys.intern(key): value for key, value in run["validity"].items()}
         findings = [Finding(**{**each, "severity": Severity(each["severity"])}) for each in run["findings"]]
-        own = {"outcome": Outcome(run["outcome"]), "findings": findings, "validity": validity, "impacts": impacts(run)}
-        return cls(**same | own)
+        outcome = Outcome(run["outcome"])
+        return cls(**same | {"outcome": outcome, "findings": findings, "validity": validity, "impacts": impacts(run)})
 
 
 def impacts(run: Mapping[str, Any]) -> int:

@@ -54,8 +54,8 @@ def execute(
     """
     wanted = list(requests) if isinstance(requests, Iterable) else []
     if not wanted or not all(isinstance(each, RunRequest) for each in wanted):
-        got = repr(wanted or requests)[:MOST_SHOWN]
-        raise InputError(Mistake("execute", "requests", "a list of RunRequest, at least one", got))
+        shown = repr(wanted or requests)[:MOST_SHOWN]
+        raise InputError(Mistake("execute", "requests", "a list of RunRequest, at least one", shown))
     require(type(jobs) is int and jobs >= 1, "execute", "a number of processes, 1 or more", repr(jobs), key="jobs")
     # A function of the caller's script, that makes a scene, is not known to a worker.
     tasks = [replace(request, scene=request.made()).task() for request in wanted]
@@ -86,9 +86,11 @@ def numbers_of(records: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
         )
         for name, otherwise in NUMBERS.items()
     }
-    counts = {"steps": [each["steps"] for each in records], "impacts": [impacts(each) for each in records]}
-    peaks = {"peak_theta_rad": np.abs(numbers["peak_theta_rad"])}
-    return numbers | peaks | {name: np.array(values) for name, values in counts.items()}
+    return numbers | {
+        "peak_theta_rad": np.abs(numbers["peak_theta_rad"]),
+        "steps": np.array([each["steps"] for each in records]),
+        "impacts": np.array([impacts(each) for each in records]),
+    }
 
 
 def compute(batch: Sequence[Task]) -> list[Packed]:
@@ -104,8 +106,7 @@ def compute(batch: Sequence[Task]) -> list[Packed]:
 def batches(tasks: Iterable[Task], sizes: Mapping[str, int], otherwise: int = 1) -> Iterator[tuple[Task, ...]]:
     """Tasks in the order given, neighbours of one group in what a worker takes at a time (`otherwise`: not in `sizes`)."""
     for group, members in groupby(tasks, key=lambda task: task.group):
-        size = sizes.get(group, otherwise)
-        while batch := tuple(islice(members, size)):
+        while batch := tuple(islice(members, sizes.get(group, otherwise))):
             yield batch
 
 

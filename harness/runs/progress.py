@@ -113,9 +113,14 @@ def _bar(counts: bool) -> Progress:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    count = [BarColumn()] if counts else []
-    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), *count, TimeElapsedColumn()
-    bar = Progress(*columns, console=Console(stderr=True, markup=False, emoji=False), transient=not counts)
+    bar = Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        *([BarColumn()] if counts else []),
+        TimeElapsedColumn(),
+        console=Console(stderr=True, markup=False, emoji=False),
+        transient=not counts,
+    )
     bar.add_task("reading", total=None)
     return bar
 

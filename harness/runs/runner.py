@@ -382,8 +382,13 @@ class DaskPool:
         self._client.cancel([future], force=True)
         self._hung += 1
         got = f"no answer in {self._limit_s:g} s"
-        advice = "restart the cluster's workers"
-        require(self._hung < self.workers, "--dask", "workers that answer", f"{got} on any of them", advice)
+        require(
+            self._hung < self.workers,
+            "--dask",
+            "workers that answer",
+            f"{got} on any of them",
+            "restart the cluster's workers",
+        )
         return Hung(got)
 
 

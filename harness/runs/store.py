@@ -121,14 +121,13 @@ def packed(key: str, answer: TaskResult) -> Packed:
     text = json.dumps(answer.record, sort_keys=answer.kind == RUN, allow_nan=False, separators=(",", ":"))
     table = None if answer.history is None else answer.history.columns()
     row = key, answer.kind, text, int(table is not None or answer.table is not None)
-    columns = (*row, record_sum(*row))
     kept = None
     if answer.table is not None:
         kept = pack_table(answer.table)
     elif table is not None:
         kept = ",".join(table), len(table["t_s"]), pack(np.stack(list(table.values())))
     history = None if kept is None else (*kept, history_sum(key, *kept))
-    return Packed(columns, answer.seconds, history, answer.failed, answer.inside_s)
+    return Packed((*row, record_sum(*row)), answer.seconds, history, answer.failed, answer.inside_s)
 
 
 STORE_NAME: Final = STORE
@@ -180,8 +179,8 @@ class PlannedRow:
 
 def check_begun(folder: Path, what: str) -> None:
     """Raise `InputError` where there is nothing to `--resume`: no store in `folder`."""
-    wanted, advice = f"{what} that was begun in {folder}", "leave --resume out to begin"
-    require((folder / STORE_NAME).exists(), "--resume", wanted, "no store there", advice)
+    begun = (folder / STORE_NAME).exists()
+    require(begun, "--resume", f"{what} that was begun in {folder}", "no store there", "leave --resume out to begin")
 
 
 def _begin(path: Path, kind: str) -> None:
@@ -250,12 +249,12 @@ class Store:
 
     def keys(self) -> set[str]:
         """All keys that have a result, with its history where one belongs to it: a run whose history is lost counts as none."""
-        query = (
-            "SELECT key FROM result WHERE NOT has_history "
-            "OR EXISTS (SELECT 1 FROM history WHERE history.key = result.key)"
-        )
         with self._naming_damage("read"):
-            return {key for (key,) in self._db.execute(query)}
+            found = self._db.execute(
+                "SELECT key FROM result WHERE NOT has_history "
+                "OR EXISTS (SELECT 1 FROM history WHERE history.key = result.key)"
+            )
+            return {key for (key,) in found}
 
     def add(self, results: Sequence[Packed], clock_s: float = 0.0) -> None:
         """Store packed results in one transaction; a key that is there already is kept as it is.
@@ -321,8 +320,7 @@ class Store:
 
     def _kept(self, key: str) -> tuple[str, int, bytes] | None:
         with self._naming_damage("read"):
-            query = "SELECT columns, samples, data, crc32 FROM history WHERE key=?"
-            row = self._db.execute(query, (key,)).fetchone()
+            row = self._db.execute("SELECT columns, samples, data, crc32 FROM history WHERE key=?", (key,)).fetchone()
         if row is not None and history_sum(key, *row[:3]) != row[3]:
             raise ValueError(f"what belongs to {key[:12]} is not as it was stored")
         return None if row is None else row[:3]

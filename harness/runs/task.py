@@ -255,8 +255,13 @@ def run_request(wanted: RunRequest) -> TaskResult:
     """Make the scene and run it (a failure is a `Run` that says so); overhead is what `simulate` does not take."""
     scene = wanted.made()
     begin = time.perf_counter()
-    options = RunOptions(history=wanted.history, stated=wanted.stated)
-    run = simulate(scene, wanted.engine, accuracy_rad=wanted.accuracy_rad, dt_s=wanted.dt_s, options=options)
+    run = simulate(
+        scene,
+        wanted.engine,
+        accuracy_rad=wanted.accuracy_rad,
+        dt_s=wanted.dt_s,
+        options=RunOptions(history=wanted.history, stated=wanted.stated),
+    )
     return answer_of(run, wanted.history, time.perf_counter() - begin)
 
 

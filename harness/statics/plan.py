@@ -122,8 +122,7 @@ def limit_of_rest_m_s2(scene: Scene) -> float:
     corner = float(np.abs([stands_on[:, 0].min(), stands_on[:, 0].max()]).min())
     if not isinstance(scene.base_excitation.y, ZeroExcitation):
         corner = min(corner, margin_m(stands_on))
-    uplift = gravity * corner / statue.centroid_height_m
-    return min(uplift, _holding_friction(scene) * gravity)
+    return min(gravity * corner / statue.centroid_height_m, _holding_friction(scene) * gravity)
 
 
 def _holding_friction(scene: Scene) -> float:
@@ -149,7 +148,7 @@ class LimitsOfRest:
         """None where a component has too many cycles, or the statue tilts off its lowest vertices or overhangs its pedestal: then
         nothing is known.
         """
-        parts = (scene.base_excitation.x, scene.base_excitation.y, scene.base_excitation.z)
+        parts = scene.base_excitation.parts
         if any(item.straight_s(scene.duration_s) is None for item in parts):
             return None
         polygon = resting_polygon_m(scene.statue)
@@ -308,8 +307,7 @@ def plan(
         for name in SKIPS
         if name in engine.capabilities.skips
     ]
-    asked = {engine.name for engine in engines}
-    idle = [name for name in registered if name not in asked]
+    idle = [name for name in registered if name not in {engine.name for engine in engines}]
     return (
         *own,
         *_edges(scene, engines),
@@ -366,18 +364,16 @@ def _reason(name: str, scene: Scene, options: RunOptions) -> tuple[Finding, bool
 def _edges(scene: Scene, engines: Sequence[PlannedEngine]) -> list[Step]:
     """Engines that have one shape of their own for whatever scene, said where a pedestal's edge would need another."""
     need = shape_needed(scene)
-    if need.shape != "parts":
-        return []
-    shapes = {engine.name: engine.capabilities.edge_shape for engine in engines if engine.capabilities.edge_shape}
+    shapes = {engine.name: engine.capabilities.edge_shape for engine in engines if need.shape == "parts"}
     return [
         Step("base_only", name, False, info("plan_edge_shape", **vars(need) | {"shape": shape}))
         for name, shape in shapes.items()
+        if shape
     ]
 
 
 def _planar(scene: Scene, engines: Sequence[PlannedEngine]) -> Step:
     """Switched by naming a 3D engine."""
     solid = [engine.name for engine in engines if engine.capabilities.dimensions == 3]
-    if solid:
-        return Step("planar", "*", False, info("plan_in_3d", engines=solid))
-    return Step("planar", "*", scene.planar, info("plan_no_3d", planar=scene.planar))
+    reason = info("plan_in_3d", engines=solid) if solid else info("plan_no_3d", planar=scene.planar)
+    return Step("planar", "*", scene.planar and not solid, reason)

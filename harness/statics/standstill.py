@@ -42,14 +42,12 @@ class Push:
     @property
     def first(self) -> tuple[Cause, float]:
         """The cause that gives way first under this motion, and its share."""
-        cause = max(self.shares, key=lambda name: self.shares[name])
-        return cause, self.shares[cause]
+        return max(self.shares.items(), key=lambda each: each[1])
 
 
 def push_of(scene: Scene, x_factor: float = 1.0) -> Push:
     """The push of a scene's motion within its duration, that along x made larger by a factor."""
-    base_excitation = scene.base_excitation
-    parts = (base_excitation.x, base_excitation.y, base_excitation.z)
+    parts = scene.base_excitation.parts
     t_s = instants_s(parts, scene.duration_s)
     causes: tuple[Cause, ...] = get_args(Cause)
     shares = {each: 0.0 for each in causes if scene.pedestal is not None or not each.startswith("pedestal")}
@@ -137,13 +135,12 @@ def tipping_of_pedestal(
     """
     stone_kg, height_m = pedestal.mass_kg, pedestal.height_m
     lever = 0.5 * stone_kg * height_m + mass_kg * (height_m + centroid_height_m)
-    sides = {}
-    for axis, size_m, centre in ((0, pedestal.width_m, base_centre_m + pedestal.offset_m), (1, pedestal.depth_m, 0.0)):
-        half = 0.5 * size_m
-        for direction in (1, -1):
-            share = (stone_kg * half + mass_kg * (half + direction * centre)) / lever
-            sides[axis, direction] = max(share, 0.0)
-    return sides
+    middle_m = base_centre_m + pedestal.offset_m, 0.0
+    return {
+        (axis, direction): max((stone_kg * half + mass_kg * (half + direction * centre)) / lever, 0.0)
+        for axis, (half, centre) in enumerate(zip(pedestal.half_m[:2], middle_m, strict=True))
+        for direction in (1, -1)
+    }
 
 
 def _shares(needed_m_s2: Array, weight_m_s2: Array) -> Array:
