@@ -51,7 +51,7 @@ def _wall(vertices: Array, faces: Faces) -> Beside | None:
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(vertices)
-    area = 0.5 * np.linalg.norm(double_areas(vertices, hull.simplices), axis=1)
+    area = 0.5 * np.linalg.norm(double_areas(vertices, hull.simplices.astype(np.int64)), axis=1)
     normal = hull.equations[:, :3]
     left = np.where(np.abs(normal[:, 2]) < UPRIGHT, area, 0.0)
     while left.max() > 0.0:

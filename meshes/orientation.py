@@ -241,7 +241,7 @@ class _Hull:
         size = float(np.ptp(mesh.vertices, axis=0).max())
         scaled = np.round(hull.equations / [1.0, 1.0, 1.0, size], 9)
         _, first, number = np.unique(scaled, axis=0, return_index=True, return_inverse=True)
-        areas = 0.5 * np.linalg.norm(double_areas(mesh.vertices, hull.simplices), axis=1)
+        areas = 0.5 * np.linalg.norm(double_areas(mesh.vertices, hull.simplices.astype(np.int64)), axis=1)
         normals, offsets = hull.equations[first, :3], hull.equations[first, 3]
         centroid = measure(mesh).centroid_m
         return cls(
