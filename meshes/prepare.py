@@ -2,11 +2,9 @@
 What the scan then is, in numbers and words.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -160,12 +158,12 @@ class Prepared:
             contact_tolerance_m=contact_tolerance_m,
         )
 
-    def after(self, mesh: RawMesh, made: Change | None) -> Prepared:
+    def after(self, mesh: RawMesh, made: Change | None) -> Self:
         """The state after one step, with its change in the log where it made one."""
         changes = self.log.changes if made is None else (*self.log.changes, made)
         return replace(self, mesh=mesh, log=replace(self.log, changes=changes))
 
-    def doubted(self, *doubts: Doubt) -> Prepared:
+    def doubted(self, *doubts: Doubt) -> Self:
         """The state with what was found in it and left as it was."""
         return replace(self, log=replace(self.log, found=(*self.log.found, *doubts)))
 

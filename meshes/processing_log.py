@@ -2,12 +2,10 @@
 volume, centroid and inertia.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +33,7 @@ class Edges:
     faces_at: Indices
 
     @classmethod
-    def of(cls, faces: Faces) -> Edges:
+    def of(cls, faces: Faces) -> Self:
         """The edges of `faces` (m, 3)."""
         start = faces.ravel()
         end = np.roll(faces, -1, axis=1).ravel()
@@ -59,7 +57,7 @@ class EdgeCount:
         return self.boundary == 0 and self.branching == 0 and self.misoriented == 0
 
     @classmethod
-    def of(cls, faces: Faces) -> EdgeCount:
+    def of(cls, faces: Faces) -> Self:
         """Counted over the undirected edges of `faces` (m, 3)."""
         edges = Edges.of(faces)
         pairs = edges.first[edges.faces_at == 2]
@@ -178,7 +176,7 @@ class Change:
     centroid_m: float | None = None
     inertia_rel: float | None = None
 
-    def measured(self, before: RawMesh, after: RawMesh) -> Change:
+    def measured(self, before: RawMesh, after: RawMesh) -> Self:
         """The change with its effect; a volume that was nothing before (an open or inside-out mesh) gives no ratio."""
         old, new = measure(before), measure(after)
         if old.volume_m3 <= 0.0 or new.volume_m3 <= 0.0:
@@ -201,7 +199,7 @@ class ProcessingLog:
     changes: tuple[Change, ...] = ()
     found: tuple[Doubt, ...] = ()
 
-    def scaled(self, unit_m: float) -> ProcessingLog:
+    def scaled(self, unit_m: float) -> Self:
         """The log with centroid shifts so far in the file's unit turned into metres."""
         turned = [
             change if change.centroid_m is None else replace(change, centroid_m=unit_m * change.centroid_m)

@@ -1,11 +1,9 @@
 """The records of a bench (run time against error, what a target takes, what skips gain, how cost grows) and of a stress run."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, Self
 
 from harness.model import Answer, Finding, caution, changes_answer, info
 from harness.records.base import Record
@@ -192,7 +190,7 @@ class StabilityCell:
         """Whether it is not stable and nothing is known that avoids it."""
         return self.category != "stable" and self.remedy is None
 
-    def avoided(self, remedy: Remedy, by: StabilityCell) -> StabilityCell:
+    def avoided(self, remedy: Remedy, by: Self) -> Self:
         """The same cell, explained by one that is stable."""
         return replace(self, remedy=remedy, stable=by.setting)
 

@@ -1,11 +1,9 @@
 """The record of one run: the resolved scene, every engine's answer, scores of each pair, and what was left out and why."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, Self
 
 from harness.input.mistakes import agree
 from harness.model import OMITTED, Array, Finding, Outcome, Run, RunRow, Say, number
@@ -223,7 +221,7 @@ class RunRecord(Record):
     plan: Sequence[Step]
     seconds: float
 
-    def texted(self, say: Say) -> RunRecord:
+    def texted(self, say: Say) -> Self:
         """The record with its sentences, those of each pair's verdict among them."""
         return replace(super().texted(say), scores={pair: each.texted(say) for pair, each in self.scores.items()})
 

@@ -1,10 +1,8 @@
 """A scene as it stands in a record: what a page draws, and what a reader needs to repeat the run."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -80,7 +78,7 @@ class SceneRecord:
     toml: Table
 
     @classmethod
-    def of(cls, scene: Scene) -> SceneRecord:
+    def of(cls, scene: Scene) -> Self:
         """The record of a scene, without its mesh."""
         statue, wall = scene.statue, scene.wall
         size = None if statue.solid is None else MeshSize(len(statue.solid.vertices_m), len(statue.solid.faces))

@@ -1,11 +1,9 @@
 """The record of a trust map: how far the analytic model is confirmed, over strength and frequency of a shaking."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from typing import Final, Literal, Self, get_args
 
 from typing_extensions import TypedDict
 
@@ -95,7 +93,7 @@ class Saved:
     caused: int
 
     @classmethod
-    def of(cls, falls: Sequence[tuple[bool | None, bool | None]]) -> Saved:
+    def of(cls, falls: Sequence[tuple[bool | None, bool | None]]) -> Self:
         """Counted from whether the statue falls under each condition: without the pedestal, with it; None: not known."""
         known = Counter(each for each in falls if None not in each)
         prevented, caused = known[True, False], known[False, True]

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from harness.model import printable
 
@@ -42,28 +42,24 @@ class ProgressMessages:
         self._now = ("reading", time.monotonic())
         self._said = time.monotonic()
         self._before: str | None = None
-        self._warns = ExitStack()
+        self._ending = ExitStack()
 
     def __enter__(self) -> ProgressMessages:
         from analytic.machine_code import listeners  # not for help
 
         listeners.append(self.compiling)
-        self._warns.enter_context(warnings.catch_warnings())
+        self._ending.callback(listeners.remove, self.compiling)
+        self._ending.enter_context(warnings.catch_warnings())
         warnings.showwarning = lambda message, *place: self.say(printable(f"warning: {message}"))
         if self._lines:
             Thread(target=self._remind, daemon=True).start()
+            self._ending.callback(self._done.set)
         elif self._bar is not None:
-            self._bar.start()
+            self._ending.enter_context(self._bar)
         return self
 
-    def __exit__(self, *details: Any) -> None:
-        from analytic.machine_code import listeners
-
-        listeners.remove(self.compiling)
-        self._warns.close()
-        self._done.set()
-        if self._bar is not None:
-            self._bar.stop()
+    def __exit__(self, *details: object) -> None:
+        self._ending.close()
 
     def engine(self, name: str) -> None:
         """Tell that an engine has started."""

@@ -1,7 +1,5 @@
 """One SQLite file that keeps every result once, by its key: runs with their histories, and any other answer of a task."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -12,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -241,7 +239,7 @@ class Store:
             self._db.close()
             raise
 
-    def __enter__(self) -> Store:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *details: object) -> None:
