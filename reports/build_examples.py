@@ -24,7 +24,7 @@ from harness.runs.runner import Crash, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, stored_runs
 from harness.runs.task import TaskResult
 from reports.cli import studies
-from reports.cli.ending import guarded
+from reports.cli.app import guarded
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
 from reports.terminal import record_lines

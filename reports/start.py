@@ -4,7 +4,7 @@ import sys
 from typing import Final
 
 INTERRUPTED: Final = 130
-"""As `reports.cli.ending` has it, which may not have been read yet."""
+"""As `reports.cli.app` has it, which may not have been read yet."""
 
 
 def main() -> None:

@@ -78,7 +78,7 @@ def _block(shown: Table | None) -> list[str]:
 
 def _study_rows(record: StudyRecord, verbose: bool) -> list[str]:
     """How many runs of each model ended how."""
-    from reports.text.wording import told_family
+    from reports.source import told_family
 
     runs = grouped((row.model, told_family(row.run)) for row in record.rows if row.run is not None)
     ends = {model: Counter(families) for model, families in runs.items()}
@@ -137,7 +137,7 @@ def _trust_rows(record: TrustRecord, _verbose: bool) -> list[str]:
 
 def _measured_rows(record: MeasuredRecord, _verbose: bool) -> list[str]:
     """The first columns of its first table."""
-    from reports.pages.measured_page import measured_table
+    from reports.pages.validation_page import measured_table
 
     return _block(measured_table(record.tables[0], ENGLISH))
 

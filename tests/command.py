@@ -6,7 +6,7 @@ from io import StringIO
 from pathlib import Path
 
 from reports.cli import app
-from reports.cli.ending import guarded
+from reports.cli.app import guarded
 
 
 @dataclass(frozen=True)

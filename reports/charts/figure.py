@@ -1,13 +1,28 @@
-"""Parts of which every chart is made. A chart is a Vega-Lite specification whose data are columns (`charts.drawn`)."""
+"""Parts of which every chart is made, and how one is drawn: a chart is a Vega-Lite specification.
 
+Its `datasets` hold, by name, lists of parts; a part holds columns of one length, and single values that stand in each of its
+rows. Columns that are arrays are the samples of curves along the first of them, of which as many are drawn as are seen.
+"""
+
+import errno
+import re
+import resource
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from textwrap import wrap
 from typing import Any, Final
 
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import ArrayLike, NDArray
+
+from harness.model import Array, printable_lines, to_plain
 from harness.records.scores import Interval
-from reports.charts import Json
 from reports.messages import Language
+
+Json = dict[str, Any]
+"""A chart, or a part of one, as its library takes it: which keys it knows is the library's."""
 
 # Colours and dashes of all pages and figures: Okabe and Ito's palette, told apart by every form of colour vision.
 
@@ -223,8 +238,7 @@ def level(
 
 def stroke(style: Look) -> Json:
     """A line drawn as a look says, as the library says it of a mark."""
-    dash = {"strokeDash": style.lengths} if style.dash else {}
-    return {"color": style.colour, "strokeWidth": style.width, **dash}
+    return {"color": style.colour, "strokeWidth": style.width, **({"strokeDash": style.lengths} if style.dash else {})}
 
 
 def figure(
@@ -369,3 +383,192 @@ CONFIG: Final = {
 def localised(spec: Json, say: Language) -> Json:
     """A chart whose numbers are written as that language writes them."""
     return spec | {"config": {"locale": {"number": NUMBERS | {"decimal": say.strings["decimal"]}}}}
+
+
+# Samples as a page carries them: fewer for the screen with every peak kept, packed as differences of multiples of a step.
+
+DISPLAYED_SAMPLES: Final = 12_000
+"""Most samples of one curve on a page: a 10 s history at 1 ms stays whole, and four curves stay under 0.5 MB."""
+
+STEPS: Final = 2**18
+"""Steps over an array's range: a value on a page is at most a 500 000th of the range beside the record's."""
+ON_CLOCK: Final = 1e-3
+"""Samples this near to multiples of their spacing, as a share of it, are taken as such: times cost nothing then."""
+
+
+def shown_samples(values: Array, most: int = DISPLAYED_SAMPLES) -> NDArray[np.intp]:
+    """Indices of the samples to draw, increasing: all, or first, least, largest and last of every bin.
+
+    At most `most` (≥ 8) are kept; the extremes of `values` and both its ends are always among them.
+    """
+    count = len(values)
+    if count <= most:
+        return np.arange(count)
+    edges = np.linspace(0, count, most // 4 + 1).astype(np.intp)
+    starts, ends = edges[:-1], edges[1:]
+    chosen = [starts, ends - 1]
+    width = int((ends - starts).max())
+    padded = starts[:, None] + np.minimum(np.arange(width), (ends - starts)[:, None] - 1)
+    block = values[padded]
+    chosen += [starts + np.argmin(block, axis=1), starts + np.argmax(block, axis=1)]
+    return np.unique(np.concatenate(chosen))
+
+
+def packed_array(values: ArrayLike, levels: int = STEPS) -> Json:
+    """Finite values (n,) or, flattened, (n, k) as `{step, order, deltas}`: `deltas` summed `order` times, times `step`.
+
+    Whole numbers, and times on a clock, come back as they are.
+    """
+    array = np.asarray(values).ravel()
+    step = 1.0 if array.dtype.kind in "iu" else _step(array.astype(np.float64), levels)
+    steps = np.round(array / step).astype(np.int64)
+    first = np.diff(steps, prepend=0)
+    second = np.diff(first, prepend=0)
+    order, deltas = min((1, first), (2, second), key=lambda choice: int(np.abs(choice[1]).sum()))
+    return {"step": step, "order": order, "deltas": deltas.tolist()}
+
+
+def _step(array: Any, levels: int) -> float:
+    """The spacing of samples on a clock, for others the range over `levels`."""
+    apart = np.diff(array)
+    spacing = float(np.median(apart)) if len(apart) else 0.0
+    # Beside a value that dwarfs it a spacing counts nothing: whole numbers end at 2^53.
+    if 0.0 < np.abs(array).max(initial=0.0) < 2.0**53 * spacing:
+        # A clock's spacing has few digits; a median of differences carries their rounding.
+        spacing = float(f"{spacing:.9g}")
+        if np.abs(array / spacing - np.round(array / spacing)).max() < ON_CLOCK:
+            return spacing
+    if len(array) < 2 or np.ptp(array) == 0.0:
+        # One value, or the same again and again, is a multiple of itself.
+        return float(abs(array[0])) if len(array) and array[0] else 1.0
+    # Values that differ by their rounding alone: a finer step than that has no whole number of steps.
+    return max(float(np.ptp(array)) / levels, float(np.spacing(np.abs(array).max())))
+
+
+# Drawn by the library that made their form: on a page by its own script, as SVG, PNG and PDF without a browser.
+
+WIDE: Final = 1060
+"""Width in pixels of a chart that fills the page."""
+POINTS: Final = 1200
+"""Most points of a curve: more than pixels across."""
+BETWEEN: Final = 24
+"""Pixels between plots side by side."""
+BESIDE: Final = 132
+"""Pixels beside the plot of a chart of several, for the names of its axes: the longest outcome's in either language."""
+RESERVED: Final = 68 * 2**30
+"""Bytes of addresses, not of memory, that the library's engine reserves; where it may not, it ends the process."""
+CUT: Final = re.compile(r"(?<=[\"#])clip\d+(?=[\")])")
+"""What the library calls the outlines at which it cuts."""
+TAG: Final = re.compile(r"<[^>]*>")
+"""Where places stand; what is written between tags keeps its digits."""
+FINER: Final = re.compile(r"(?<=\d\.\d)\d+")
+"""Digits of a place in pixels after the first behind the point."""
+
+
+def thinned(part: Json, most: int) -> Json:
+    """A part with as many samples of its curves as are seen of so many points, every peak among them."""
+    curves = [value for value in part.values() if isinstance(value, np.ndarray)]
+    if not curves:
+        return part
+    shown = np.unique(np.concatenate([shown_samples(each, most) for each in curves[1:]]))
+    return {key: value[shown] if isinstance(value, np.ndarray) else value for key, value in part.items()}
+
+
+def rows(parts: Iterable[Json], most: int, chosen: Json) -> list[Json]:
+    """The rows of a chart's data as the library takes them; of curves at most so many, with every peak.
+
+    Parts that a parameter names otherwise than `chosen` are left out.
+    """
+    found = []
+    for part in parts:
+        if any(part.get(name, value) != value for name, value in chosen.items()):
+            continue
+        shown = to_plain(thinned(part, most))
+        listed = {key: value for key, value in shown.items() if isinstance(value, list)}
+        alike = {key: value for key, value in shown.items() if key not in listed}
+        found += [alike | dict(zip(listed, each, strict=True)) for each in zip(*listed.values(), strict=True)]
+    return found
+
+
+def packed_data(data: Mapping[str, Sequence[Json]]) -> Json:
+    """A chart's data as a page carries them: samples thinned and packed, all else as it is."""
+    return {
+        name: [
+            {key: packed_array(value) if isinstance(value, np.ndarray) else value for key, value in part.items()}
+            for part in (thinned(each, DISPLAYED_SAMPLES) for each in parts)
+        ]
+        for name, parts in data.items()
+    }
+
+
+def sized(spec: Any, width: float, alone: bool = True) -> Any:
+    """A chart as wide as that: of several plots each has the share that it states, less the room for the names of axes."""
+    if isinstance(spec, list):
+        return [sized(each, width, False) for each in spec]
+    if "autosize" in spec:
+        return spec
+    if "spec" in spec:
+        return spec | {"spec": spec["spec"] | {"width": max(60.0, (width - BESIDE) / spec["columns"] - BETWEEN)}}
+    parted = spec.keys() & {"vconcat", "hconcat"}
+    if parted:
+        return spec | {key: sized(spec[key], width, False) for key in parted}
+    if alone:
+        return spec | {"width": width, "autosize": {"type": "fit-x", "contains": "padding"}}
+    return spec | {"width": max(60.0, spec["width"] * width - BESIDE)}
+
+
+def svg(
+    spec: Json,
+    width: float = WIDE,
+    most: int = POINTS,
+    words: str = "",
+    background: str = "transparent",
+    name: str = "",
+) -> str:
+    """The chart as SVG that many pixels wide, `words` over it; by its `name` its ids are told apart from another's of a page.
+
+    Raises `OSError` where addresses are limited to too few.
+    """
+    import vl_convert
+
+    if 0 <= resource.getrlimit(resource.RLIMIT_AS)[0] < RESERVED:
+        raise OSError(
+            errno.ENOMEM, f"charts take {RESERVED // 2**30} GiB of addresses: give `ulimit -v unlimited` before"
+        )
+    chosen = {each["name"]: each["value"] for each in spec["params"] if "bind" in each and "value" in each}
+    data = {name: rows(parts, most, chosen) for name, parts in spec["datasets"].items()}
+    over = {"title": wrap(words, max(20, int((width - 16.0) / LETTER)))} if words else {}
+    params = [*({key: value for key, value in each.items() if key != "bind"} for each in spec["params"])]
+    params.append({"name": "W", "value": width})
+    whole = (
+        sized(spec, width)
+        | {"datasets": data, "config": {**CONFIG, **spec.get("config", {}), "background": background}, "params": params}
+        | over
+    )
+    drawn = str(vl_convert.vegalite_to_svg(legible(whole)))
+    # The library counts what cuts over all that it ever drew.
+    order = {found: f"cut{k}{name}" for k, found in enumerate(dict.fromkeys(CUT.findall(drawn)))}
+    return CUT.sub(lambda found: order[found[0]], drawn)
+
+
+def legible(part: Any) -> Any:
+    """A chart, or a part of one, with the control characters of its texts, which would stop the library, as their escapes."""
+    if isinstance(part, dict):
+        return {legible(key): legible(value) for key, value in part.items()}
+    if isinstance(part, list):
+        return [legible(value) for value in part]
+    return printable_lines(part) if isinstance(part, str) else part
+
+
+def hatched(drawn: str) -> str:
+    """An SVG with the hatches that its fills call."""
+    return drawn.replace(">", f"><defs>{HATCHES}</defs>", 1) if "url(#hatch" in drawn else drawn
+
+
+def still(spec: Json, width: float = WIDE, name: str = "") -> Markup:
+    """The chart as a page carries it under its `name`: what is seen first and without scripts, and what is printed; before it
+    what both call."""
+    drawn = TAG.sub(lambda tag: FINER.sub("", tag[0]), svg(spec, width, name=name))
+    box = drawn.index("viewBox=")
+    called = f'<svg class="called" aria-hidden="true"><defs>{HATCHES}</defs></svg>' if "url(#hatch" in drawn else ""
+    return Markup(f'{called}<svg class="still" aria-hidden="true" xmlns="http://www.w3.org/2000/svg" {drawn[box:]}')

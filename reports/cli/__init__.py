@@ -5,22 +5,16 @@ import os
 import sys
 from io import TextIOWrapper
 
-# Each adds its commands, which the help lists in this order.
-# isort: off
-from reports.cli import scenes, questions, inputs
-# isort: on
+from reports.cli import commands
+from reports.cli.app import app, guarded
 
-from reports.cli.app import app
-from reports.cli.ending import guarded
-
-__all__ = ["app", "inputs", "main", "questions", "scenes"]
+__all__ = ["app", "commands", "main"]
 
 
 def main() -> None:
     """Entry point of the command."""
-    gc.set_threshold(
-        100_000
-    )  # what is imported lives to the end: to look through it every 700 objects takes a tenth of a start
+    # What is imported lives to the end: to look through it every 700 objects takes a tenth of a start.
+    gc.set_threshold(100_000)
     for name in ("stdin", "stdout", "stderr"):
         # Who starts the command may have closed it: the next file would take its number, and all that is printed.
         if getattr(sys, name) is None:

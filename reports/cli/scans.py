@@ -14,7 +14,7 @@ from harness.input.mistakes import wanted_of
 from harness.model import Finding, InputError, Mistake, Say, check_own, checksum, require, texted, write_text, writing
 from harness.model import run as record
 from harness.records.base import listed
-from reports.cli.options import ScanOptions, SupportOptions
+from reports.cli.app import ScanOptions, SupportOptions
 
 if TYPE_CHECKING:
     from harness.input.motions.recordfile import Layout

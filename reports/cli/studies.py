@@ -48,7 +48,7 @@ from harness.records.study import ExportRecord
 from harness.runs.progress import LESS_STORED, ProgressMessages, progress
 from harness.runs.runner import LIMIT_S, DaskPool, LocalPool, Pool
 from harness.runs.store import STORE_NAME, Store, check_begun
-from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
+from reports.cli.app import EngineOptions, Sampling, ScanOptions, SupportOptions, TextLayout
 
 QUESTIONS: Final = {
     "rocking_spectrum": "harness.questions.study.rocking_spectrum",
@@ -201,8 +201,7 @@ class Scanned:
         folder.parent.mkdir(parents=True, exist_ok=True)
         # At the depth of the result's folder: the scene's relative path to the record is then the same in both.
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=FRESH) as made:
-            first = Path(made) / SCENE_NAME
-            yield new(path, self.motion, first, self.known, self.around, self.layout.layout(), say)[0]
+            yield new(path, self.motion, Path(made) / SCENE_NAME, self.known, self.around, self.layout.layout(), say)[0]
 
 
 def assess(

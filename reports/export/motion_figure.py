@@ -8,11 +8,11 @@ from harness.input.motions.inspect import DAMPING, PERIODS_S, MotionInspection, 
 from harness.input.motions.recordfile import displacement_m, velocity_m_s
 from harness.input.motions.spectra import arias_share
 from harness.model import printable
-from reports.charts import Json
 from reports.charts.figure import (
     LOOKING,
     MUTED,
     ZOOMED,
+    Json,
     Look,
     across,
     axis,
@@ -126,8 +126,7 @@ def build_up_figure(inspection: MotionInspection) -> Json:
     ]  # fmt: skip
     layers = [layer for at in (5.0, 95.0) for layer in level(at, line=Look(MUTED, "2 3", 1.0))]
     if parts:
-        looks = _looks([part["name"] for part in parts], 1.6)
-        layers.insert(0, marks("line", "shares", named(looks, chosen=False)))
+        layers.insert(0, marks("line", "shares", named(_looks([part["name"] for part in parts], 1.6), chosen=False)))
     x = across("t", ENGLISH("chart.time"), {"domain": [0.0, end], "padding": 0})
     y = axis("share", ENGLISH("chart.arias_share"), scale={"domain": [0.0, 100.0]})
     return figure(layers, 170, {"shares": parts}, x, y)

@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from harness.input.tables import assumption
 from harness.model import Uncertain
 from harness.questions.assess.answer import CLEAR, clearance
 from harness.questions.assess.probability import MODEL
 from harness.questions.assess.sensitivity import LEAST_DRAWS
-from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, OptionAnswer
+from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, FragilityRecord, OptionAnswer
 from reports.blocks import (
     Block,
     Chart,
@@ -27,14 +28,14 @@ from reports.blocks import (
     verdict,
     words,
 )
-from reports.charts.curve_figures import fragility_by_factor
+from reports.charts.figure import INK, MUTED, Json, Look, across, discs, figure, level, log, marks, span, upwards
 from reports.drawing.pictures import plan_sketch, probable_plan
-from reports.messages import Language, probability_text
+from reports.messages import ENGLISH, Language, probability_text
 from reports.pages.run_page import as_run
-from reports.text.wording import tone_of_answers
+from reports.source import tone_of_answers
 
 
-def blocks(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
+def assess_page(_folder: Path, record: AssessRecord, say: Language) -> list[Block]:
     """The blocks of an assessment's page."""
     fragility = record.fragility
     return [
@@ -135,10 +136,9 @@ def _options(record: AssessRecord, say: Language) -> list[Section]:
         for name, reason in options.left_out.items()
     ]
     columns = "option probability shown interval change_points slip_median slip_high"
-    level = say.value(options.difference_level, "share")
     return section(
         say, "options", table(say, "options", columns, rows, "options", model=options.model),
-        words(say, "options", draws=options.draws, some=some, level=level),
+        words(say, "options", draws=options.draws, some=some, level=say.value(options.difference_level, "share")),
         words(say, "planar" if options.model == MODEL else "in_space"),
         Details(say("text.each_option"), [Facts(what), Text(left, "variant")], fold=True),
     )  # fmt: skip
@@ -226,3 +226,25 @@ def _again(record: AssessRecord, say: Language) -> list[str]:
         command_line("assess", file, *(record.asked or ()), e=[*record.assessment], seed=record.seed),
         *as_run(record.scene, say),
     ]
+
+
+TICKS: Final = [0.25, 0.5, 1.0, 2.0, 4.0]
+"""Factors written on the axis."""
+
+
+def fragility_by_factor(fragility: FragilityRecord, say: Language = ENGLISH) -> Json:
+    """The probability of overturning by a factor on the shaking, with its band."""
+    chance = fragility.probability_overturned
+    tips = [
+        f"× {say.digits(factor)}: {say.percent(value)}" for factor, value in zip(fragility.factor, chance, strict=True)
+    ]
+    data = {"curve": [{"name": fragility.model, "x": fragility.factor, "y": chance, "tip": tips}]}
+    layers = [marks("line", "curve", strokeWidth=2, color=INK), discs("curve", {}, color=INK)]
+    if fragility.low:
+        data["band"] = [{"x": fragility.factor, "low": fragility.low, "high": fragility.high}]
+        layers.insert(0, marks("area", "band", span("low", "high"), color=INK, opacity=0.1))
+    layers += level(1.0, say("chart.today"), "x", Look(MUTED, "4 3", 1.0))
+    x = across("x", say("chart.factor"), log(), values=TICKS)
+    return figure(
+        layers, 380, data, x, upwards("y", say("chart.overturning_probability"), {"domain": [0.0, 1.0]}, format=".0%")
+    )

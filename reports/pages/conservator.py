@@ -17,31 +17,37 @@ from harness.records.run import STILL_RAD, RunRecord, own_moves, tips_s, unconfi
 from harness.records.scene import MotionRecord, SceneRecord
 from harness.records.study import StudyRecord, StudyRow, SupportRecord
 from reports.blocks import Block, Drawing, Section, Text, Verdict
-from reports.charts.drawn import still
-from reports.charts.figure import localised
+from reports.charts.figure import localised, still
 from reports.drawing.kinematics import poses, room_m, sampled, top_shift_m
-from reports.drawing.pictures import Plan, floor_plan, order_sketch, plan_sketch, push_sketch, reach_sketch
-from reports.drawing.shapes import Picture
-from reports.messages import ENGLISH, Language, probability_text, split_unit
-from reports.source import RunSource, run_source, source_of
-from reports.text.answers import Answers, Condition
-from reports.text.giving_way import (
+from reports.drawing.pictures import (
+    Picture,
+    Plan,
     compass,
+    floor_plan,
     levels,
+    order_sketch,
     order_words,
-    pedestal_effect,
+    plan_sketch,
+    push_sketch,
+    reach_sketch,
     scan_turn_deg,
     slips,
     support_of,
     weakest_words,
 )
-from reports.text.wording import (
+from reports.messages import ENGLISH, Language, probability_text, split_unit
+from reports.source import (
     TIPS_RAD,
+    Answers,
+    Condition,
+    RunSource,
     doubted,
     end_key,
     horizon_s,
     pedestal_moves,
     prediction_s,
+    run_source,
+    source_of,
     told_family,
     tone,
     tone_of_study,
@@ -60,12 +66,11 @@ def plain_page(
     say: Language,
 ) -> list[Block]:
     """The blocks of every conservator's page: answer with its picture and what to do, further pictures, what it rests on."""
-    limits = Text([say(f"limit.{key}") for key in LIMITS], "points")
     return [
         Verdict(headline, tone, points, drawing=pictures[0], todo=todo),
         Section("pictures", "", pictures[1:], "pictures"),
         *([Section("basis", say("page.basis"), [Text(basis, "points")])] if basis else ()),
-        Section("limits", say("page.limits"), [limits], "caveat"),
+        Section("limits", say("page.limits"), [Text([say(f"limit.{key}") for key in LIMITS], "points")], "caveat"),
     ]
 
 
@@ -204,8 +209,7 @@ def _shaking(source: RunSource, say: Language) -> list[str]:
     sizes = [np.abs(values) for values in axes.values()]
     strong = np.any([size >= STRONG * size.max() for size in sizes], axis=0)
     at = np.asarray(motion.t_s)[strong]
-    lasts = say.short(float(at[-1] - at[0]), 2)
-    return [say("shaking.of", ways=say.listed(ways), pace=pace, time=lasts)]
+    return [say("shaking.of", ways=say.listed(ways), pace=pace, time=say.short(float(at[-1] - at[0]), 2))]
 
 
 def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
@@ -230,9 +234,8 @@ def _todo(source: RunSource, plan: Plan, say: Language) -> list[str]:
 def _may_fall(source: RunSource) -> bool:
     """Whether a fall is to be reckoned with: in a run, among the draws of which the headline tells, or because neither tells."""
     chances = source.record.assessment
-    falls = any(run.outcome.overturned for run in source.answered.values())
     return (
-        falls
+        any(run.outcome.overturned for run in source.answered.values())
         or bool(_leaning(source))
         or not (source.answered and chances)
         or chances[worst(chances)].high >= NEXT_TO_NONE
@@ -244,8 +247,7 @@ def _answer(source: RunSource, nominal: str, say: Language) -> tuple[str, list[s
     it rests on."""
     if not source.record.assessment:
         # One run is one draw: what it stands says nothing of how probable a fall is.
-        shaken = bool(source.record.motion.accel_m_s2)
-        return nominal, [], [say("chance.unknown")] if shaken else []
+        return nominal, [], [say("chance.unknown")] if source.record.motion.accel_m_s2 else []
     item = source.record.assessment[worst(source.record.assessment)]
     # What follows a touch of the wall no model knows: such a draw is undecided, and yet it is known what happens.
     undecided, wall = max(item.undecided - item.touches_wall, 0.0), item.touches_wall
@@ -688,6 +690,8 @@ def _pictures(record: StudyRecord, answers: Answers, say: Language) -> list[Draw
     """Reach and effect of the pedestal where the study varied it; else what gives way first."""
     scene, support = record.scene, record.supports or support_of(record.scene)
     push = push_picture(scene, support, say, borne=_by_direction(record, answers))
+    from reports.pages.study_page import pedestal_effect  # a run's page has no such chart, nor the rooms that one asks
+
     effect = pedestal_effect(record, answers, say, "plain")
     if effect is None:
         return [push, order_picture(scene, support, say)]
@@ -706,7 +710,7 @@ def _pictures(record: StudyRecord, answers: Answers, say: Language) -> list[Draw
 
 def _map(record: StudyRecord, answers: Answers, say: Language) -> list[Drawing]:
     """Where it falls, over the two keys of the study's own map: at each place the worst that any answer there says."""
-    from reports.charts.map_figures import map_figures  # a run's page has no map, nor the rooms that one asks
+    from reports.pages.study_page import map_figures  # as above
 
     axes = answers.plane
     if axes is None or record.panels:

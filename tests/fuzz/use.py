@@ -43,7 +43,7 @@ from harness.runs.progress import ProgressMessages, progress
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
 from reports.cli import app
-from reports.cli.ending import WRONG_INPUT
+from reports.cli.app import WRONG_INPUT
 from reports.messages import ENGLISH
 from reports.terminal import record_lines
 from tests.fuzz.records import at2

@@ -21,8 +21,7 @@ from harness.questions.assess.probability import LEVEL, overturns
 from harness.questions.scene.scene_run import run_scene, write_result
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run
-from reports.source import run_source
-from reports.text.wording import SAFE, run_verdict
+from reports.source import SAFE, run_source, run_verdict
 from tests.measures.calibration import FACTORS
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import command_line, measured, seeds_of

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from harness.questions.trust import run_trust
-from reports.charts.drawn import svg
-from reports.charts.map_figures import trust_map
+from reports.charts.figure import svg
+from reports.pages.study_page import trust_map
 from tests.measures.page_cost import READY_LIMIT_MS, chromium
 from tests.measures.pages import DOCS, renewed
 

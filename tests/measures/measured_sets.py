@@ -13,7 +13,7 @@ from typing import Final
 from harness.questions.validate.validation_run import validate_measured
 from harness.records.validation import MeasuredRecord
 from reports.messages import ENGLISH
-from reports.pages.measured_page import measured_table
+from reports.pages.validation_page import measured_table
 from tests.measures.pages import DOCS, renew_tables, table
 
 MODULE: Final = "tests.measures.measured_sets"

@@ -17,9 +17,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from reports.cli.ending import FAILED, OK, guarded
-from reports.pages.assets import chart_library
-from reports.pages.page import write_report
+from reports.cli.app import FAILED, OK, guarded
+from reports.pages.page import chart_library, write_report
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

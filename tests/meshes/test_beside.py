@@ -12,7 +12,7 @@ from meshes.beside import attached_beside
 from meshes.mesh import RawMesh
 from meshes.prepare import Wanted, prepare_mesh
 from reports.cli import scans
-from reports.cli.options import ScanOptions
+from reports.cli.app import ScanOptions
 from tests.budgets_meshes import CUT_VOLUME_REL
 from tests.meshes.scanner import write
 from tests.meshes.shapes import box, cylinder, union

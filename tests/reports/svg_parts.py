@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from reports.drawing.shapes import Picture
+from reports.drawing.pictures import Picture
 
 
 def elements(picture: Picture, kind: str) -> list[ElementTree.Element]:

@@ -20,7 +20,7 @@ def calls(stack: tuple[CodeType, ...]) -> tuple[str, ...]:
     """The product's functions from the command's own, the first, to the innermost."""
     product = (code for code in reversed(stack) if code.co_filename.startswith(ROOMS))
     names = [f"{Path(code.co_filename).relative_to(ROOT)}:{code.co_name}" for code in product]
-    return tuple(names[names.index("reports/cli/scenes.py:run") :])
+    return tuple(names[names.index("reports/cli/commands.py:run") :])
 
 
 def ways_to(steps: Callable[[FrameType, str, Any], bool], line: list[str]) -> set[tuple[str, ...]]:

@@ -15,12 +15,11 @@ from harness import Outcome, Run, Scene, load_scene
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.run import has_answer
 from reports.blocks import Block
-from reports.charts.histories import histories_figure
 from reports.messages import ENGLISH
 from reports.pages.conservator import blocks
 from reports.pages.page import write_report
-from reports.source import RunSource, run_source
-from reports.text.wording import run_verdict
+from reports.pages.run_page import histories_figure
+from reports.source import RunSource, run_source, run_verdict
 from tests.budgets_reports import LEAN_TOLD, LEAST_MOVES, PUSH_TOLD
 from tests.reports.claim_scenes import HOSTILE, SEEDS, content, write_scene
 from tests.reports.page_parts import answer, form, pictures, spoken

@@ -21,7 +21,7 @@ from harness.runs.execute import KEPT, Campaign
 from harness.runs.progress import LESS_STORED
 from harness.runs.runner import InlinePool
 from reports.cli import app, studies
-from reports.cli.ending import INTERRUPTED, guarded
+from reports.cli.app import INTERRUPTED, guarded
 from reports.pages.page import write_report
 from reports.terminal import COLUMNS
 from tests.command import rockcheck

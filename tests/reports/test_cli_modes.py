@@ -13,8 +13,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from reports.cli import app
-from reports.cli.app import spread
-from reports.cli.options import EngineOptions, OutputOptions
+from reports.cli.app import EngineOptions, OutputOptions, spread
 from reports.terminal import COLUMNS, LINES
 from tests.meshes import toadstool
 

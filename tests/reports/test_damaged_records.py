@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from reports.cli import app
-from reports.cli.ending import WRONG_INPUT, guarded
+from reports.cli.app import WRONG_INPUT, guarded
 from reports.pages import run_page
 from reports.pages.page import write_report
 from reports.source import run_source

@@ -41,9 +41,11 @@ def test_every_valid_scene_has_its_pages(tmp_path: Path, name: str, pedestal: bo
     assert f"<h1>{name}</h1>" in (tmp_path / "out" / "conservator.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(("module", "other"), [("run_page", "conservator.html"), ("conservator", "report.html")])
+@pytest.mark.parametrize(
+    ("page", "other"), [("run_page.run_page", "conservator.html"), ("conservator.blocks", "report.html")]
+)
 def test_a_page_that_fails_costs_no_other_and_no_answer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, other: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, page: str, other: str
 ) -> None:
     """Whatever a page trips over, the other page, the summary and the result are there, and the failure has a name."""
     scene = write_scene(tmp_path, content(1))
@@ -51,7 +53,7 @@ def test_a_page_that_fails_costs_no_other_and_no_answer(
     def trip(*_: Any) -> None:
         raise ZeroDivisionError("float division by zero")
 
-    monkeypatch.setattr(f"reports.pages.{module}.blocks", trip)
+    monkeypatch.setattr(f"reports.pages.{page}", trip)
     result = CliRunner().invoke(app, ["run", str(scene), "-e", "analytic", "--out", str(tmp_path / "out")])
     assert result.exit_code == 1
     assert "analytic" in result.stdout

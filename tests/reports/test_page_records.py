@@ -25,15 +25,12 @@ from harness.records.scores import Interval
 from harness.records.study import StudyWitness, WitnessCount
 from harness.records.validation import SetScores, ValidationRecord
 from reports.blocks import Cell, Chart, Facts, Group, Table, Text, Verdict, verdict
-from reports.charts.curve_figures import on_front, precision_figure, scaling_figure
-from reports.charts.map_figures import map_figures
-from reports.charts.study_figures import fragility_figure, rose_picture
 from reports.messages import ENGLISH, language
 from reports.pages import conservator
+from reports.pages.bench_page import explanations, measured, on_front, precision_figure, scaling_figure
 from reports.pages.page import page_blocks, write_report
-from reports.pages.stress_page import explanations, measured
-from reports.pages.study_page import matrix
-from reports.text.answers import Answers, Condition
+from reports.pages.study_page import fragility_figure, map_figures, matrix, rose_picture
+from reports.source import Answers, Condition
 from tests.reports import invented_records, invented_study
 from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
@@ -304,7 +301,7 @@ def test_a_validation_says_how_to_repeat_it_and_how_far_histories_are_apart(
 
 
 def test_settings_of_one_engine_look_different() -> None:
-    from reports.charts.curve_figures import styles
+    from reports.pages.validation_page import styles
 
     coarse, fine = styles({"pymunk@dt=0.001": "pymunk", "pymunk@dt=0.0005": "pymunk"}).values()
     assert coarse.colour == fine.colour

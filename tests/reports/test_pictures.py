@@ -15,15 +15,13 @@ from harness.model import PatternName, write_json
 from harness.records.base import Record, as_file
 from harness.records.bench import StressRecord
 from reports.blocks import Chart, walk
-from reports.charts.drawn import still
-from reports.charts.figure import across, figure, localised, marks, upwards
-from reports.charts.histories import histories_figure
-from reports.charts.map_figures import STABILITY
-from reports.charts.study_figures import panels_figure, place
-from reports.export.animation import FRAMES_PER_S, write_gif
-from reports.export.figures import DPI, WIDTHS_MM, pixels_across, printed, write_figures
+from reports.charts.figure import across, figure, localised, marks, still, upwards
+from reports.export.figures import DPI, FRAMES_PER_S, WIDTHS_MM, pixels_across, printed, write_figures, write_gif
 from reports.messages import ENGLISH, language
+from reports.pages.bench_page import STABILITY
 from reports.pages.page import page_blocks
+from reports.pages.run_page import histories_figure
+from reports.pages.study_page import panel_place, panels_figure
 from reports.source import run_source
 from tests.budgets_reports import ROUNDED_INCH
 from tests.reports.invented_run import write_invented
@@ -99,7 +97,7 @@ def test_panels_stand_in_the_papers_arrangement(table: Path) -> None:
             "name": ENGLISH("chart.panel_pedestal_theta_rad"),
             "model": "pymunk (own impact)",
             "r": panel.restitution,
-            "place": place(panel),
+            "place": panel_place(panel),
         }
         (drawn,) = [part for part in chart["datasets"]["panels"] if wanted.items() <= part.items()]
         assert drawn["value"].tolist() == panel.curves["pymunk (own impact)"]["pedestal"].theta_rad

@@ -12,7 +12,7 @@ from harness import InputError, load_scene, simulate
 from harness.input.mesh_statue import steps_of
 from harness.input.motions.recordfile import STANDARD_GRAVITY_M_S2, Layout
 from harness.input.new_scene import QUIET_AFTER_S
-from reports.cli.options import ScanOptions, SupportOptions
+from reports.cli.app import ScanOptions, SupportOptions
 from reports.cli.scans import MARBLE_KG_M3, inspect, new, prepare
 from reports.messages import ENGLISH
 from reports.terminal import scan_lines

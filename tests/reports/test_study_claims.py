@@ -14,8 +14,7 @@ from reports.messages import ENGLISH
 from reports.pages.conservator import blocks
 from reports.pages.page import write_report
 from reports.pages.study_page import study_verdict
-from reports.text.answers import Answers
-from reports.text.wording import doubted
+from reports.source import Answers, doubted
 from tests.reports.claim_scenes import content, write_scene
 from tests.reports.invented_study import study as study_record
 from tests.reports.page_parts import answer, form, pictures

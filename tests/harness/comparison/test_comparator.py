@@ -10,7 +10,7 @@ import pytest
 from harness import InputError, Outcome, Verdict, compare, compare_files
 from harness.input.history_file import resolution
 from harness.model import to_plain
-from reports.text.wording import after_horizon_values
+from reports.source import after_horizon_values
 from tests import doubles
 from tests.budgets_compare import IMPACT_S, PEAK_RAD, ROUNDING_REL, UPLIFT_S, WORK_PAIR_SAMPLES
 

@@ -11,7 +11,7 @@ from harness import load_scene, run_scene
 from harness.model import CONTROL, InputError, Mistake, json_text, printable, printable_lines
 from harness.runs.progress import ProgressMessages, progress
 from reports.cli import app
-from reports.cli.ending import guarded
+from reports.cli.app import guarded
 from reports.messages import ENGLISH
 from reports.terminal import record_lines
 from tests.reports.claim_scenes import HOSTILE, content, write_scene

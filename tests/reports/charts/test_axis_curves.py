@@ -1,9 +1,9 @@
 """Where one axis of numbers varies, its curves hold each model's outcome, rotation and slip; two axes make a map instead."""
 
 from harness.records.run import falls
-from reports.charts import Json
-from reports.charts.study_figures import curve_figures, design_figures
-from reports.text.answers import Answers, Condition
+from reports.charts.figure import Json
+from reports.pages.study_page import curve_figures, design_figures
+from reports.source import Answers, Condition
 from tests.reports.charts.parts import part
 from tests.reports.invented_study import case_row, case_run
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reports.charts.histories import drawn_stretches, shown_samples
+from reports.charts.figure import shown_samples
+from reports.pages.run_page import drawn_stretches
 
 
 @settings(max_examples=60, deadline=None)

@@ -2,9 +2,9 @@
 
 import re
 
-from reports.charts.study_figures import best_designs, design_figures
 from reports.messages import ENGLISH
-from reports.text.answers import Answers, Condition
+from reports.pages.study_page import best_designs, design_figures
+from reports.source import Answers, Condition
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_study import case_row, case_run
 

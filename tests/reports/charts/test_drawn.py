@@ -12,13 +12,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reports.charts.curve_figures import shapes
-from reports.charts.drawn import rows, sized, still, svg
-from reports.charts.figure import Look, across, axis, cells, figure, level, localised, marks, named, wrapped
-from reports.charts.histories import histories_figure
-from reports.drawing.shapes import rings
+from reports.charts.figure import (
+    Look,
+    across,
+    axis,
+    cells,
+    figure,
+    level,
+    localised,
+    marks,
+    named,
+    rows,
+    sized,
+    still,
+    svg,
+    wrapped,
+)
+from reports.drawing.pictures import rings
 from reports.messages import language
-from reports.pages.assets import pack_text, packed_chart
+from reports.pages.bench_page import shapes
+from reports.pages.page import pack_text, packed_chart
+from reports.pages.run_page import histories_figure
 from reports.source import RunSource, run_source
 from tests.budgets_reports import STILL_PX
 from tests.reports.unpacking import numbers, unpacked

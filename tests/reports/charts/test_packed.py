@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from reports.charts.histories import LEVELS, packed_array
+from reports.charts.figure import STEPS, packed_array
 from tests.reports.unpacking import numbers
 
 
@@ -14,7 +14,7 @@ def test_a_value_is_at_most_half_a_step_beside_the_records(seed: int) -> None:
     rng = np.random.default_rng(seed)
     values = 10.0 ** rng.uniform(-9, 6) * (rng.normal(size=int(rng.integers(1, 400))).cumsum() + rng.normal())
     packed = json.loads(json.dumps(packed_array(values)))
-    assert np.abs(numbers(packed) - values).max() <= 0.5000001 * max(np.ptp(values) / LEVELS, 1e-12 * abs(values).max())
+    assert np.abs(numbers(packed) - values).max() <= 0.5000001 * max(np.ptp(values) / STEPS, 1e-12 * abs(values).max())
 
 
 def test_times_and_whole_numbers_come_back_as_they_are() -> None:
@@ -22,7 +22,7 @@ def test_times_and_whole_numbers_come_back_as_they_are() -> None:
     assert np.abs(numbers(packed_array(t_s)) - t_s).max() < 1e-12
     # A clock of 0.005 s that ends between two ticks, as a replay's, is no clock, and is bounded all the same.
     cut = np.append(t_s[::5], 10.0031)
-    assert np.abs(numbers(packed_array(cut)) - cut).max() <= 0.5000001 * 10.0031 / LEVELS
+    assert np.abs(numbers(packed_array(cut)) - cut).max() <= 0.5000001 * 10.0031 / STEPS
     index = np.random.default_rng(0).integers(0, 2**32 - 1, 1000)
     assert np.array_equal(numbers(packed_array(index)), index)
 
@@ -39,7 +39,7 @@ def test_values_that_differ_by_rounding_alone_come_back_as_they_are() -> None:
 
 def test_a_value_that_dwarfs_all_others_leaves_them_no_clock() -> None:
     values = np.append(np.arange(50) * 1e-3, 1e200)
-    assert np.abs(numbers(packed_array(values)) - values).max() <= 0.5000001 * 1e200 / LEVELS
+    assert np.abs(numbers(packed_array(values)) - values).max() <= 0.5000001 * 1e200 / STEPS
 
 
 def test_a_smooth_curve_costs_two_digits_a_sample() -> None:

@@ -11,8 +11,8 @@ from harness.questions.assess.assessment import assess
 from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityDifference
 from reports.blocks import Table
 from reports.messages import ENGLISH
-from reports.pages.assess_page import assess_verdict, blocks
-from reports.text.wording import tone_of_answers, tone_of_probability
+from reports.pages.assess_page import assess_page, assess_verdict
+from reports.source import tone_of_answers, tone_of_probability
 from tests.reports.page_parts import cell_text, every
 from tests.scenes_for_tests import paestum
 
@@ -94,7 +94,7 @@ def test_answer_and_findings_name_what_helps_what_room_it_needs_and_what_decides
 def test_every_option_that_was_compared_stands_in_a_table(shaken: AssessRecord, tmp_path: Path) -> None:
     names = {ENGLISH.word(each.name) for each in shaken.options.options}
     for record, there in ((shaken, names), (replace(shaken, options=None), set())):
-        tables = every(blocks(tmp_path, record, ENGLISH), Table)
+        tables = every(assess_page(tmp_path, record, ENGLISH), Table)
         assert names & {cell_text(row[0]) for each in tables for row in each.rows} == there
 
 

@@ -10,11 +10,11 @@ from typer.testing import CliRunner
 
 from harness import read_history, read_result
 from harness.records.scores import CompareRecord, Verdict
-from reports.charts.curve_figures import compare_figure
-from reports.charts.drawn import svg
+from reports.charts.figure import svg
 from reports.cli import app
-from reports.cli.ending import WRONG_INPUT, guarded
+from reports.cli.app import WRONG_INPUT, guarded
 from reports.messages import ENGLISH
+from reports.pages.run_page import compare_figure
 from tests import doubles
 
 

@@ -17,25 +17,24 @@ from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, balance_share, has_answer
 from harness.records.study import SupportRecord
+from reports import source as reading
 from reports.drawing.kinematics import body_m, posed_m, poses, sampled, silhouette_m
-from reports.drawing.pictures import floor_plan
-from reports.messages import ENGLISH, language
-from reports.pages import conservator
-from reports.pages.conservator import of_run, of_study
-from reports.source import RunSource, run_source
-from reports.text import wording
-from reports.text.answers import Answers
-from reports.text.giving_way import (
+from reports.drawing.pictures import (
     bearing,
     compass,
+    floor_plan,
     levels,
     order_words,
-    pedestal_effect,
     slips,
     support_of,
     weakest_pushes,
     weakest_words,
 )
+from reports.messages import ENGLISH, language
+from reports.pages import conservator
+from reports.pages.conservator import of_run, of_study
+from reports.pages.study_page import pedestal_effect
+from reports.source import Answers, RunSource, run_source
 from tests.budgets_reports import PUSH, SAMPLED_M, SHADOW_SHARE
 from tests.reports.page_parts import answer, form, lines, pictures, spoken
 from tests.scenes_for_tests import GRAVITY_M_S2, rectangle, scene
@@ -260,10 +259,10 @@ def test_the_room_holds_every_position_of_a_long_history(source: RunSource) -> N
 def test_what_remains_before_the_wall_is_said(source: RunSource) -> None:
     """The same on both pages: of the outline that the models move, not of the mesh that is drawn."""
     text, wall = spoken(of_run(source)), source.scene.wall
-    (engineers,) = [each.values["left_m"] for each in wording._reach(source) if each.code == "room_to_wall"]
+    (engineers,) = [each.values["left_m"] for each in reading._reach(source) if each.code == "room_to_wall"]
     assert ENGLISH("reach.remain", left=ENGLISH.length(engineers)) in text
     assert engineers < 0.99 * wall.distance_m
-    (found,) = [each for each in wording._reach(source) if each.code == "room_to_wall"]
+    (found,) = [each for each in reading._reach(source) if each.code == "room_to_wall"]
     assert "a sinistra: " in language("it").say(found), "the side stood in English"
     assert ENGLISH("reach.free", gap="70\u00a0cm") in text
 

@@ -15,10 +15,11 @@ from harness.records.base import as_file
 from harness.records.effects3d import EffectsRecord
 from reports.blocks import verdict
 from reports.charts.figure import Look
-from reports.drawing.effects_figures import RoseCurve, changes, rose, rose_of, turned_scan
+from reports.drawing.pictures import RoseCurve, rose_of
 from reports.messages import ENGLISH
 from reports.pages.conservator import of_effects
 from reports.pages.page import write_report
+from reports.pages.run_page import changes, rose, turned_scan
 from reports.source import run_source
 from tests.budgets_reports import BASE_M
 from tests.reports.invented_effects import SOLID_G, answered, effects_record

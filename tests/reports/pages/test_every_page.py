@@ -11,7 +11,7 @@ import pytest
 from harness.model import RUN_FIELDS
 from harness.records.base import Record
 from reports.blocks import Block, Chart, Section, Table, walk
-from reports.charts.drawn import svg
+from reports.charts.figure import svg
 from reports.messages import ENGLISH, LANGUAGES, language
 from reports.pages.page import page_blocks
 from tests.reports.every_kind import WRITERS

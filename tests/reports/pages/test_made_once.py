@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import vl_convert
 
-from reports.pages import assets as module
-from reports.pages.assets import made_once
+from reports.pages import page as module
+from reports.pages.page import made_once
 
 
 @pytest.fixture

@@ -19,17 +19,15 @@ from harness.model import RUN_FIELDS, Pattern, Pedestal, caution, info, texted, 
 from harness.questions.scene.scene_run import run_scene, write_result
 from harness.records.base import plain
 from harness.records.run import HorizonRecord
+from reports import source as reading
 from reports.blocks import owned
-from reports.charts.histories import pattern_strip
 from reports.drawing.kinematics import MOST_FACES, read_mesh
 from reports.drawing.pictures import BESIDE_CORNER, WIDTH, scene_svg
 from reports.messages import ENGLISH, language
 from reports.pages.conservator import of_run
 from reports.pages.page import write_report
-from reports.pages.run_page import chip
-from reports.source import RunSource, run_source
-from reports.text import wording
-from reports.text.wording import run_verdict
+from reports.pages.run_page import chip, pattern_strip
+from reports.source import RunSource, run_source, run_verdict
 from tests.budgets_reports import DRAWN_RAD, PAGE_BYTES, PAGE_WORDS
 from tests.reports.charts.parts import part
 from tests.reports.invented_run import write_invented
@@ -289,7 +287,7 @@ def test_a_pedestal_that_tips_is_not_said_to_slide(tmp_path: Path) -> None:
     write_result(run_scene(on, ["pymunk"]), tmp_path / "run")
     source = run_source(tmp_path / "run")
     assert ENGLISH.say(info("pedestal_still")) in run_verdict(source).points
-    (tilt_rad,) = (each.values["tilt_rad"] for each in wording._slip(source) if each.code == "pedestal_tilts")
+    (tilt_rad,) = (each.values["tilt_rad"] for each in reading._slip(source) if each.code == "pedestal_tilts")
     history = source.histories["pymunk"]
     until_s = source.runs["pymunk"].no_return_time_s or history.t_s[-1]
     most_rad = np.max(np.abs(history.extra["pedestal_tilt_rad"][history.t_s <= until_s]))

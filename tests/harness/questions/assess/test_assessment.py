@@ -20,7 +20,7 @@ from harness.records.assess import Assessment, AssessRecord, NotAssessed
 from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
 from reports.pages.assess_page import models_table
-from reports.text.wording import tone_of_answers
+from reports.source import tone_of_answers
 from tests import budgets_assess as budget
 from tests.engines_for_tests import ready
 from tests.scenes_for_tests import GRAVITY_M_S2, PAESTUM, SCENES, paestum, rectangle, scene

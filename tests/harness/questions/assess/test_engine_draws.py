@@ -20,7 +20,7 @@ from harness.runs.runner import InlinePool
 from harness.runs.store import Store
 from harness.runs.task import RunRequest, TaskResult
 from reports.cli import studies
-from reports.cli.options import EngineOptions, Sampling, ScanOptions, SupportOptions
+from reports.cli.app import EngineOptions, Sampling, ScanOptions, SupportOptions
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import paestum
 

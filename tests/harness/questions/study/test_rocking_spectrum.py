@@ -20,7 +20,7 @@ from harness.runs.execute import silent
 from harness.runs.runner import LocalPool
 from reports.cli import app
 from reports.messages import ENGLISH
-from reports.pages.rocking_spectrum_page import verdict
+from reports.pages.study_page import spectrum_verdict
 from tests import budgets_assess as budget
 from tests.harness.questions.validate.experiments import write_motion
 
@@ -121,7 +121,10 @@ def test_the_command_writes_page_record_and_map(tmp_path: Path) -> None:
     assert isinstance(answered, RockingSpectrumRecord)
     for fell, cases in ((0, 2), (0, 20), (0, 100), (4, 100), (6, 100), (49, 100), (1, 1)):
         shares = [[0.0] * 5] * 3 + [[0.0, fell / cases, 0.0, 0.0, 0.0]]
-        green = verdict(replace(answered, probability_overturned=shares, cases=cases, undecided=0.0)).tone == "agree"
+        green = (
+            spectrum_verdict(replace(answered, probability_overturned=shares, cases=cases, undecided=0.0)).tone
+            == "agree"
+        )
         interval = wilson(fell, cases, 0.9)
         assert green == (fell / cases <= 0.05 and interval.high < 0.10), (fell, cases)
 

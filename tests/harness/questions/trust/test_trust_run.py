@@ -41,10 +41,10 @@ from harness.records.trust import CLASSES, CONTOURS, Rotation, Saved, TrustRecor
 from harness.runs.progress import duration_words
 from harness.runs.runner import InlinePool
 from harness.runs.store import STORE_NAME, Store
-from reports.charts.map_figures import point_figure, trust_map
 from reports.cli import app
 from reports.messages import ENGLISH
 from reports.pages.page import write_report
+from reports.pages.study_page import point_figure, trust_map
 from reports.terminal import COLUMNS, LINES, record_lines
 from tests.harness.questions.trust.test_plane import BLOCK
 from tests.reports import invented_records

@@ -13,8 +13,7 @@ from harness.records.run import RunRecord
 from harness.statics.plan import Step
 from reports.blocks import Details, Group, Text, notes
 from reports.messages import ENGLISH
-from reports.source import RunSource
-from reports.text.wording import before_fall, interventions_text, limits, plan_lines
+from reports.source import RunSource, before_fall, interventions_text, limits, plan_lines
 from tests.reports.invented_run import invented_history, invented_run
 
 VALIDITY = {"yaw_rad": 0.9, "statue_slip_m": 0.02, "energy_gained_j": 9.6, "touching_vertices": 12}

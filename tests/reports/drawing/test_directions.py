@@ -11,8 +11,8 @@ from meshes.orientation import turn_axis
 from meshes.prepare import Wanted, prepare
 from meshes.solid import Solid, solid_from_mesh
 from reports.cli import app
-from reports.cli.ending import WRONG_INPUT, guarded
-from reports.drawing.scan_picture import BASE, SIDE, WEAKEST, scan_picture
+from reports.cli.app import WRONG_INPUT, guarded
+from reports.drawing.pictures import BASE, SCAN_SIDE, WEAKEST, scan_picture
 from tests.budgets_reports import WRITTEN_PX
 from tests.reports.svg_parts import elements, points_px
 
@@ -45,7 +45,7 @@ def test_everything_stays_inside_the_picture(box: Solid) -> None:
     texts = [[float(each.attrib["x"]), float(each.attrib["y"])] for each in elements(picture, "text")]
     points = np.vstack([*map(points_px, elements(picture, "path")), texts])
     assert points.min() > 0.0
-    assert points.max() < SIDE
+    assert points.max() < SCAN_SIDE
 
 
 def test_the_files_axes_are_turned_as_the_scan_was(box: Solid, tmp_path: Path) -> None:

@@ -9,10 +9,9 @@ import pytest
 from harness.questions.study import cases as selection
 from harness.records.study import Panel
 from reports.charts.figure import DARK, SURFACES
-from reports.charts.map_figures import LINES, map_figures, number_map, trust_map
-from reports.charts.study_figures import place
 from reports.messages import ENGLISH, language
-from reports.text.answers import Answers, Condition
+from reports.pages.study_page import LINES, map_figures, number_map, panel_place, trust_map
+from reports.source import Answers, Condition
 from tests.budgets_reports import LEAST_OF_LINES
 from tests.reports.charts.parts import kind_at, part
 from tests.reports.invented_records import trust
@@ -66,7 +65,7 @@ def test_what_a_pointer_is_told_is_written_in_the_readers_language() -> None:
     """Italian pages had 0,3 on the axis, and 0.3 under the pointer."""
     drawn = number_map(np.array([[0.25, 0.5]]), ("f", [1.5, 2.5]), ("a", [0.3]), "rad", language("it"))
     assert drawn["datasets"]["tips"][0]["tip"] == ["f 1,5\na 0,3\n0,25 rad", "f 2,5\na 0,3\n0,5 rad"]
-    assert place(Panel(0.9, 0.334, 2.5, {}), language("it")) == "0,334 g; 2,5 Hz"
+    assert panel_place(Panel(0.9, 0.334, 2.5, {}), language("it")) == "0,334 g; 2,5 Hz"
 
 
 def test_places_that_were_not_computed_are_pale(figures: dict[str, dict[str, Any]]) -> None:

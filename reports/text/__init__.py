@@ -1,1 +1,0 @@
-"""A record said in words, numbers and rows."""
