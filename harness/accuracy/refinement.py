@@ -246,7 +246,8 @@ def run_to_accuracy(engine: Engine, scene: Scene, accuracy_rad: float, options: 
         if not climb.affords(settings):
             break
         check = _Check(climb, settings.dt_s)
-        run = engine.simulate(scene, settings, replace(options, history=True, stop=check))
+        asked = replace(options, history=True, stop=check, coarser_from_s=climb.unbounded_from_s(settings))
+        run = engine.simulate(scene, settings, asked)
         if climb.ends_with(settings, run, check):
             break
         if climb.agreed_s is not None and climb.met(climb.response(climb.agreed_s), climb.agreed_s):
@@ -301,6 +302,12 @@ class _Climb:
             finer = [i for i in range(index + 1, len(levels)) if levels[i].dt_s < CLIMB_SHARE * finest]
             wanted = finest / _factor(self.spreads, self.target)
             index = next((i for i in finer if levels[i].dt_s <= wanted), finer[-1] if finer else len(levels))
+
+    def unbounded_from_s(self, settings: Settings) -> float:
+        """From when on nothing will be stated of a run, as what its level errs by has outgrown the target."""
+        if not self.outgrown:
+            return math.inf
+        return outgrown_s(self.scene, settings.expected_error_rad, self.target.rotation_rad)
 
     def affords(self, settings: Settings) -> bool:
         """Whether a run with these settings and all before it make no more steps than a climb may."""

@@ -92,8 +92,27 @@ if TYPE_CHECKING:
     )
     from harness.model.two_block import base_end, block_of, keywords, pedestal_of, wall_of
 
-_HOMES: Final = ("errors", "files", "finding", "history", "run", "scene", "two_block", "run_set")
-"""In the order in which they import one another: looking for a name loads nothing that its own module would not."""
+_NAMES: Final = {
+    "errors": (
+        "CONTROL LONGEST InputError Mistake check_known json_text nearest printable printable_lines read_each "
+        "refuse require required translated"
+    ),
+    "files": "FRESH MARK NO_ROOM check_own checksum is_own is_sealed write_text writing",
+    "finding": "Answer Axes Finding Say Severity Shown caution changes_answer info new_axes texted weighed",
+    "history": "COLUMNS Array History Outcome Pair first_beyond_s hermites history_file output_grid pair",
+    "run": (
+        "MANY MOST_TIMES NUMBERS OMITTED RUN_FIELDS SAME_END SCHEMA_VERSION SKIPS Capabilities Intervention "
+        "Pattern PatternName Run RunOptions RunRow machine number to_plain versions write_json"
+    ),
+    "run_set": "Column RunSet answered column_of grouped",
+    "scene": (
+        "OVERTURN_RAD SOLID_COLUMNS BaseExcitation Contact Form Initial Pedestal Pose Scene Statue Uncertain "
+        "Wall centroid_shift_m must_be_scene rotations scan_azimuth_deg support_m written"
+    ),
+    "two_block": "base_end block_of keywords pedestal_of wall_of",
+}
+"""The names by their modules."""
+_HOMES: Final = {name: home for home, names in _NAMES.items() for name in names.split()}
 __all__ = [
     "COLUMNS",
     "CONTROL",
@@ -193,9 +212,7 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """Load one of the names; a command that needs no scene does not load numpy for an error's message."""
-    for home in _HOMES if name in __all__ else ():
-        module = import_module(f"{__name__}.{home}")
-        if hasattr(module, name):
-            globals()[name] = value = getattr(module, name)
-            return value
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return value

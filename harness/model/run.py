@@ -47,7 +47,7 @@ class RunOptions:
     Without `stated` one run is made, at the level that is expected to meet the target: enough for one draw of many.
     `stop` is asked now and then with the time, s, and the rotation, rad: a run that only checks another one ends where it says
     so. An engine may go on to the scene's end all the same. A climb to a target makes at most `most_times` the steps of its first
-    run.
+    run. From `coarser_from_s` on no step bounds the error any more: an engine may go on by its coarsest level.
     """
 
     history: bool = True
@@ -55,6 +55,7 @@ class RunOptions:
     stop: Callable[[float, float], bool] | None = None
     stated: bool = True
     most_times: float = MOST_TIMES
+    coarser_from_s: float = math.inf
 
     def allows(self, name: str) -> bool:
         """Whether the named skip is on; raises `KeyError` for an unknown one."""

@@ -21,7 +21,7 @@ import trimesh
 
 import harness
 from analytic.excitation import Harmonic
-from harness import Outcome, engines
+from harness import Outcome, engines, model
 from harness.model import BaseExcitation, RunSet, Shown, column_of
 from harness.questions.scene.scene_run import write_result
 from harness.records.study import CaseRun, StudyRecord, StudyRow
@@ -60,7 +60,15 @@ def test_a_fresh_package_shows_its_names(package: str, root: Path) -> None:
 
 def test_every_name_of_the_harness_has_a_home() -> None:
     assert set(harness.__all__) == set(harness._HOMES)
-    assert all(getattr(harness, name).__module__ == home for name, home in harness._HOMES.items())
+    assert all(getattr(harness, name).__module__.startswith(home) for name, home in harness._HOMES.items())
+
+
+def test_every_noun_has_a_home() -> None:
+    assert set(model.__all__) == set(model._HOMES)
+    homes = {name: import_module(f"harness.model.{home}") for name, home in model._HOMES.items()}
+    assert all(getattr(model, name) is getattr(home, name) for name, home in homes.items())
+    with pytest.raises(AttributeError, match="no attribute 'absent'"):
+        _ = model.absent
 
 
 @pytest.mark.parametrize("name", REFERENCE)

@@ -147,7 +147,7 @@ class Bullet3D(Engine):
             )
         begin = time.perf_counter()
         setup = statue.prepare(scene)
-        phases = run_phases.run(scene, level, setup, options)
+        phases = run_phases.run(scene, level, setup, options, self.refinement_levels(scene)[0])
         path = trajectory(scene, phases.record, setup.axes, level.dt_s)
         report = Report(
             engine=self.name,
@@ -155,7 +155,8 @@ class Bullet3D(Engine):
             steps=len(phases.record.t_s) - 1 - phases.record.at_rest,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
-            stuck_below_m_s=stuck_below_m_s(scene, level.dt_s),
+            stuck_below_m_s=stuck_below_m_s(scene, max(level.dt_s, phases.record.coarser[1])),
+            coarser=phases.record.coarser,
             rested=phases.record.rested,
             with_history=options.history or not options.allows("no_history"),
             validity=_validity(path.extra, setup, phases),

@@ -12,7 +12,7 @@ from harness.engines.pybullet.world import BulletBackend, World, at_rest
 from harness.engines.stepping import loop
 from harness.engines.stepping.loop import LOOK_STEPS, MOST_FREE, SETTLE_STEPS, RestSpells, WallWatch, Watch, plain_steps
 from harness.engines.stepping.step_state import ContactGaps, Stepper, StepState
-from harness.engines.stepping.trajectory import Schedule, StepLog, greatest_pull_m_s2, step_count
+from harness.engines.stepping.trajectory import Schedule, StepLog, greatest_pull_m_s2, schedules, step_count
 from harness.model import RunOptions, Scene
 from harness.statics.plan import LimitsOfRest, first_motion_s
 
@@ -34,39 +34,43 @@ class RunPhases:
     mirrored: bool = False
 
 
-def run(scene: Scene, level: BulletSettings, setup: Setup, options: RunOptions) -> RunPhases:
+def run(scene: Scene, own: BulletSettings, setup: Setup, options: RunOptions, coarsest: BulletSettings) -> RunPhases:
     """All samples: on the feet alone as long as nothing else can touch, then with the full shape."""
-    count = step_count(scene.duration_s, level.dt_s)
     quiet_s = quiet_start_s(scene, setup) if options.allows("quiet_start") else 0.0
-    first = min(max(int(quiet_s / level.dt_s) - SETTLE_STEPS, 0), count - 1)
-    schedule = Schedule(scene, level.dt_s, first, count)
+    first = min(max(int(quiet_s / own.dt_s) - SETTLE_STEPS, 0), step_count(scene.duration_s, own.dt_s) - 1)
     full, full_from, record, row = None, None, None, setup.start
     if scene.pedestal is not None:
         row += at_rest((scene.statue.base_centre_m + scene.pedestal.offset_m, 0.0, scene.pedestal.centroid_height_m))
         if not options.allows("base_only"):
-            full, full_from = full_shape(scene, level.full_shape), 0.0
+            full, full_from = full_shape(scene, own.full_shape), 0.0
     whole = setup
     if options.allows("mirror") and halves(scene):
         whole = setup.flat
         setup = whole if full is not None else setup.halved
     mirrored = setup.mirrored
+    steps = schedules(scene, own, coarsest, first, options.coarser_from_s)
     while True:
         crossing = None
         if full is not None and scene.pedestal is not None:
             # What tells a foot that comes over the pedestal's edges, from here on.
             crossing = EdgeCrossing(setup.feet_m, scene.pedestal.half_m[:2], row)
+        level, schedule = steps[0]
         watch = _watch(scene, level, setup, options, crossing)
         record = _part(scene, level, setup, schedule, watch, full, crossing, record)
-        row = record.row(-1)
-        if watch.leave is None or round(record.t_s[-1] / level.dt_s) >= count or not watch.leave(row):
+        row, ended = record.row(-1), schedule.ended(record.t_s[-1])
+        if ended and len(steps) > 1:
+            steps = steps[1:]
+            record.go_on(coarsest.dt_s)
+            continue
+        if watch.leave is None or ended or not watch.leave(row):
             break
         # The pedestal's edge can meet the body from here on, or another foot is beside its top: the same state goes on in a
         # world with the full shape, and with these feet.
         full_from = record.t_s[-1] if full_from is None else full_from
-        full, setup = full or full_shape(scene, level.full_shape), whole
+        full, setup = full or full_shape(scene, own.full_shape), whole
     times = {
-        "quiet_start": first * level.dt_s,
-        "quiet_rest": record.at_rest * level.dt_s,
+        "quiet_start": first * own.dt_s,
+        "quiet_rest": record.rest_s,
         "quiet_end": scene.duration_s - record.t_s[-1] if record.rested else 0.0,
     }
     skipped: dict[str, float | None] = {"mirror": None} if setup.in_plane else {}

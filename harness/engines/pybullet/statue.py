@@ -111,6 +111,8 @@ REST_LEAN_RAD: Final = 0.2
 FLAT_RAD: Final = 1e-9
 """A lean below this is none: rounding of the hull's normals."""
 
+OTHER_TWO: Final = np.array([[1, 2], [0, 2], [0, 1]])
+"""The vertices of a facet without one of them."""
 CACHED_STATUES: Final = 8
 """Statues whose vertices are remembered: each level of a climb and each amplitude of a search takes the same."""
 
@@ -137,10 +139,11 @@ def touchable(statue: Statue, lean_rad: float = OVERTURN_RAD) -> Array:
     lean = np.arccos(np.clip(-hull.equations[:, 2], -1.0, 1.0))
     chosen = set(np.unique(hull.simplices[lean <= lean_rad]).tolist())
     chosen.add(int(np.argmin(vertices[:, 2])))
-    for facet, others in enumerate(hull.neighbors):
-        for opposite, other in enumerate(others):
-            if other > facet and _arc_lean(hull.equations[facet, :3], hull.equations[other, :3]) <= lean_rad:
-                chosen.update(np.delete(hull.simplices[facet], opposite).tolist())
+    # Each edge once: its two facets, and which vertex of the first lies opposite.
+    facets, opposite = np.nonzero(hull.neighbors > np.arange(len(hull.neighbors))[:, None])
+    others = hull.neighbors[facets, opposite]
+    near = _arc_leans(hull.equations[facets, :3], hull.equations[others, :3]) <= lean_rad
+    chosen.update(hull.simplices[facets[near, None], OTHER_TWO[opposite[near]]].ravel().tolist())
     return np.asarray(vertices[sorted(chosen)])
 
 
@@ -181,17 +184,17 @@ def _hull(statue: Statue) -> tuple[Array, ConvexHull | None]:
     return vertices, ConvexHull(vertices)
 
 
-def _arc_lean(a: Array, b: Array) -> float:
-    """Least angle between straight down and the arc from unit normal `a` to `b`."""
-    down = np.array([0.0, 0.0, -1.0])
-    ends = max(float(a @ down), float(b @ down))
-    pole = np.cross(a, b)
-    size = float(np.linalg.norm(pole))
-    if size < 1e-12:
-        return math.acos(min(ends, 1.0))
-    nearest = down - (down @ pole) * pole / size**2
-    inside = float(np.cross(a, nearest) @ pole) >= 0.0 and float(np.cross(nearest, b) @ pole) >= 0.0
-    return math.acos(min(max(float(np.linalg.norm(nearest)) if inside else ends, -1.0), 1.0))
+def _arc_leans(a: Array, b: Array) -> Array:
+    """Least angles (n,) between straight down and the arcs from unit normals `a` to `b` (n, 3)."""
+    down, pole = np.array([0.0, 0.0, -1.0]), np.cross(a, b)
+    size = np.linalg.norm(pole, axis=1)
+    # Of two normals that are one the arc is a point.
+    arc = size >= 1e-12
+    nearest = down + (pole[:, 2] / np.where(arc, size, 1.0) ** 2)[:, None] * pole
+    inside = arc & (np.sum(np.cross(a, nearest) * pole, axis=1) >= 0.0)
+    inside &= np.sum(np.cross(nearest, b) * pole, axis=1) >= 0.0
+    cosines = np.where(inside, np.linalg.norm(nearest, axis=1), np.maximum(-a[:, 2], -b[:, 2]))
+    return np.asarray(np.arccos(np.clip(cosines, -1.0, 1.0)))
 
 
 def _over(triangle: Array, normal: Array, point: Array) -> bool:

@@ -31,7 +31,7 @@ from harness.engines.stepping.loop import (
 from harness.engines.stepping.reduce import REST_BAND_RAD, Report, reduce_trajectory
 from harness.engines.stepping.step_state import ContactGaps, Stepper, StepState
 from harness.engines.stepping.support import flat_base, stuck_below_m_s
-from harness.engines.stepping.trajectory import Schedule, StepLog, step_count, trajectory
+from harness.engines.stepping.trajectory import Schedule, StepLog, schedules, step_count, trajectory
 from harness.model import Capabilities, Run, RunOptions, Scene
 from harness.statics.plan import first_motion_s
 
@@ -127,12 +127,16 @@ class Munk2D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
-        return _computed(self.name, scene, own_settings(self.name, MunkSettings, settings), options, plain=False)
+        own, coarsest = own_settings(self.name, MunkSettings, settings), self.refinement_levels(scene)[0]
+        return _computed(self.name, scene, own, options, coarsest)
 
 
-def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, *, plain: bool) -> Run:
-    """The run of either engine. Raises `EngineFailure` where Chipmunk refuses the scene, or where it leaves the rocking plane."""
-    pose, restitution = scene.initial.pose, scene.contact.restitution
+def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, coarsest: MunkSettings | None) -> Run:
+    """The run of either engine, the unmodified one without `coarsest`.
+
+    Raises `EngineFailure` where Chipmunk refuses the scene, or where it leaves the rocking plane.
+    """
+    plain, pose, restitution = coarsest is None, scene.initial.pose, scene.contact.restitution
     aside = {"a pose out of the rocking plane": pose is not None and not pose.in_plane}
     refuse(name, aside, name.replace("munk", "bullet"))
     if not plain and pose is not None and restitution is not None:
@@ -141,7 +145,7 @@ def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, *
     scene = replace(scene, base_excitation=scene.base_excitation.in_plane())
     begin = time.perf_counter()
     try:
-        record, first = _stepped(scene, own, options, plain=plain)
+        record, first = _stepped(scene, own, options, coarsest)
     except (AssertionError, ValueError, MemoryError) as error:
         raise EngineFailure(f"pymunk refused the scene: {error}") from error
     skipped: dict[str, float | None] = {"quiet_start": first * own.dt_s} if first > 0 else {}
@@ -149,7 +153,7 @@ def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, *
         skipped["quiet_end"] = scene.duration_s - record.t_s[-1]
     begin_s, end_s = record.t_s[0], record.t_s[-1]
     plain_throughout = {"plain_from_s": begin_s, "plain_for_s": end_s - begin_s, "plain_because": ["asked for"]}
-    located, stuck_m_s = not plain and _located(scene), stuck_below_m_s(scene, own.dt_s)
+    located, stuck_m_s = not plain and _located(scene), stuck_below_m_s(scene, max(own.dt_s, record.coarser[1]))
     base_m = scene.statue.corner_left_m + scene.statue.corner_right_m
     report = Report(
         engine=name,
@@ -164,6 +168,7 @@ def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, *
         validity={} if plain or located else plain_throughout,
         interventions=record.ledger.record(),
         skipped=skipped,
+        coarser=record.coarser,
         labels=() if plain or restitution is None else (IMPOSED_LABEL,),
         repeats=not plain,
     )
@@ -171,33 +176,53 @@ def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, *
     return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
 
 
-def _stepped(scene: Scene, own: MunkSettings, options: RunOptions, *, plain: bool) -> tuple[StepLog, int]:
-    """Samples of a run, and the number of its first step."""
+def _stepped(
+    scene: Scene, own: MunkSettings, options: RunOptions, coarsest: MunkSettings | None
+) -> tuple[StepLog, int]:
+    """Samples of a run, and the number of its first step; unmodified Chipmunk's without `coarsest` settings to go on by."""
     from harness.engines.pymunk import backend, world
 
-    count, bodies = step_count(scene.duration_s, own.dt_s), world.build(scene, own)
-    watch = Watch(
-        stop=options.stop, ends_fallen=options.allows("stop_at_overturn"), wall=WallWatch.of(scene, None, own.dt_s)
-    )
-    if plain:
+    count = step_count(scene.duration_s, own.dt_s)
+    if coarsest is None:
         # Without a support the backend holds nothing: it is Chipmunk's own step, read.
-        return plain_steps(backend.ChipmunkBackend(bodies, own), Schedule(scene, own.dt_s, 0, count), watch), 0
+        plain = backend.ChipmunkBackend(world.build(scene, own), own)
+        return plain_steps(plain, Schedule(scene, own.dt_s, 0, count), _watch(scene, own, options)), 0
     quiet_s = first_motion_s(scene) if options.allows("quiet_start") else 0.0
     first = min(max(int(quiet_s / own.dt_s) - SETTLE_STEPS, 0), count - 1)
-    schedule, support = Schedule(scene, own.dt_s, first, count), backend.SupportVertex(scene, own)
-    munk = backend.ChipmunkBackend(bodies, own, support)
-    begun = StepLog.begun(munk.read(), first * own.dt_s)
-    state = StepState(Stepper(munk, scene, schedule, own.event_share), begun, even=True)
+    (level, schedule), *later = schedules(scene, own, coarsest, first, options.coarser_from_s)
+    record = _part(scene, level, schedule, options, None)
+    for level, coarser in later:
+        if schedule.ended(record.t_s[-1]):
+            record.go_on(level.dt_s)
+            record = _part(scene, level, coarser, options, record)
+    return record, first
+
+
+def _part(scene: Scene, level: MunkSettings, schedule: Schedule, options: RunOptions, done: StepLog | None) -> StepLog:
+    """One space: from the scene's start, or from where another one has come to."""
+    from harness.engines.pymunk import backend, world
+
+    support = backend.SupportVertex(scene, level)
+    munk = backend.ChipmunkBackend(world.build(scene, level), level, support)
+    if done is not None:
+        munk.place(done.row(-1))
+    record = done or StepLog.begun(munk.read(), schedule.first * level.dt_s)
+    state = StepState(Stepper(munk, scene, schedule, level.event_share), record, even=done is None)
+    watch, end_s = _watch(scene, level, options), scene.base_excitation.end_s
     if _located(scene):
         x, z = np.array(support.points).T
         # A vertex is felt at its depth: there its gap is none.
-        feet_m = np.column_stack([x, np.zeros(x.size), z + own.depth_m])
+        feet_m = np.column_stack([x, np.zeros(x.size), z + level.depth_m])
         half_m = None if scene.pedestal is None else 0.5 * scene.pedestal.height_m
-        watch = replace(watch, gaps=ContactGaps(scene, feet_m, half_m, own.dt_s))
-    end_s = scene.base_excitation.end_s
+        watch = replace(watch, gaps=ContactGaps(scene, feet_m, half_m, level.dt_s))
     if options.allows("quiet_end") and end_s < scene.duration_s:
-        watch = replace(watch, quiet_from=math.ceil(end_s / own.dt_s))
-    return integrate(scene, schedule, watch, state), first
+        watch = replace(watch, quiet_from=math.ceil(end_s / level.dt_s))
+    return integrate(scene, schedule, watch, state)
+
+
+def _watch(scene: Scene, level: MunkSettings, options: RunOptions) -> Watch:
+    wall = WallWatch.of(scene, None, level.dt_s)
+    return Watch(stop=options.stop, ends_fallen=options.allows("stop_at_overturn"), wall=wall)
 
 
 def _located(scene: Scene) -> bool:
@@ -285,4 +310,4 @@ class PlainMunk2D(Engine):
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
         refuse_steering(scene, self.name)
-        return _computed(self.name, scene, own_settings(self.name, MunkSettings, settings), options, plain=True)
+        return _computed(self.name, scene, own_settings(self.name, MunkSettings, settings), options, None)

@@ -30,6 +30,7 @@ from harness.model import (
     block_of,
     caution,
     hermites,
+    info,
     keywords,
     number,
     output_grid,
@@ -449,7 +450,7 @@ class Report:
 
     `resolution_rad` is the rotation that the contact's slop leaves at rest; `stuck_below_m_s` the velocity that is rest.
     `rested` says that the run was ended at rest before the scene's end, so that the last state holds to it. `repeats` that a step
-    in which the pedestal breaks loose is solved again.
+    in which the pedestal breaks loose is solved again. `coarser` is from when steps were longer, and how long, s.
     """
 
     engine: str
@@ -467,6 +468,7 @@ class Report:
     labels: Sequence[str] = ()
     interventions: Mapping[str, Intervention] = field(default_factory=dict)
     repeats: bool = True
+    coarser: tuple[float, float] = (math.inf, 0.0)
 
 
 def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, wall_s: float | None = None) -> Run:
@@ -500,9 +502,8 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
     plain = plain_spells(motion, slid_m, gap_m, at, scene.pedestal)
     if friction_is_known(scene, motion):
         account = report.interventions if report.repeats else None
-        check_friction(
-            scene, motion, impulses, number(plain, "plain_from_s", math.inf), report.stuck_below_m_s, account
-        )
+        told_until_s = min(number(plain, "plain_from_s", math.inf), report.coarser[0])
+        check_friction(scene, motion, impulses, told_until_s, report.stuck_below_m_s, account)
     fallen = fall(scene, motion, overturn_s)
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, slip_m, at, report.stuck_below_m_s)
     count, reached_s = touch or (0, 0.0)
@@ -562,10 +563,15 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         validity=validity | dict(report.validity),
         work=report.work,
         skipped=report.skipped,
-        findings=(*own_contact(scene), *report.findings),
+        findings=(*own_contact(scene), *_coarser(report.coarser), *report.findings),
         labels=report.labels,
         interventions=report.interventions,
     )
+
+
+def _coarser(coarser: tuple[float, float]) -> list[Finding]:
+    from_s, dt_s = coarser
+    return [info("coarser_steps", from_s=from_s, dt_s=dt_s)] if from_s < math.inf else []
 
 
 def own_contact(scene: Scene) -> list[Finding]:

@@ -941,6 +941,7 @@ class StepState:
         record.flat.frombytes(count * record.pack(*self.row))
         record.whole_steps(self.number + 1, count, self.step_s)
         record.at_rest += count
+        record.rest_s += count * self.step_s
         self.number += count
         self.t_s, self.kick_s = record.t_s[-1], record.kick_s[-1]
         self.velocity_jumped, self.velocity_jumps, self.half_cycle = False, 0, None

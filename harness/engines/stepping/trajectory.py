@@ -10,13 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from struct import Struct
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 
 from analytic.block import rotation_matrices
 from analytic.excitation import ZeroExcitation
-from harness.engines.base import LayerFault
+from harness.engines.base import LayerFault, Settings
 from harness.model import OVERTURN_RAD, Array, Intervention, Scene, Statue, centroid_shift_m
 
 # Rows of numbers: places, rotations and velocities of statue and pedestal at one instant, as the layer keeps them.
@@ -176,7 +176,7 @@ class StepLog:
     """What the loop saw: times, and per time one row (place, quaternion, velocity, angular velocity of statue and pedestal).
 
     `t_s` are times of the places, `kick_s` of the velocities, at most half a step before; `at_rest` counts the samples that no
-    step made, as nothing could move.
+    step made, as nothing could move, for `rest_s` in all. `coarser` says from when on whole steps are longer, and how long, s.
     """
 
     width: int
@@ -186,6 +186,8 @@ class StepLog:
     ledger: Ledger = field(default_factory=lambda: Ledger(Account))
     rested: bool = False
     at_rest: int = 0
+    rest_s: float = 0.0
+    coarser: tuple[float, float] = (math.inf, 0.0)
 
     @classmethod
     def begun(cls, row: Row, t_s: float) -> StepLog:
@@ -210,9 +212,15 @@ class StepLog:
         self.kick_s.append(kick_s)
         self.flat.frombytes(self.pack(*row))
 
+    def go_on(self, step_s: float) -> None:
+        """Whole steps are of `step_s` from the last sample on."""
+        self.coarser = (self.t_s[-1], step_s)
+
     def tail(self, first: int) -> StepLog:
         """The samples from number `first` on."""
-        return StepLog(self.width, self.t_s[first:], self.kick_s[first:], self.flat[first * self.width :])
+        part = StepLog(self.width, self.t_s[first:], self.kick_s[first:], self.flat[first * self.width :])
+        part.coarser = self.coarser
+        return part
 
     def whole_steps(self, first: int, count: int, step_s: float) -> None:
         """The times of so many whole steps from number `first` on, whose rows stand here already."""
@@ -390,6 +398,10 @@ class Schedule:
 
         return at
 
+    def ended(self, t_s: float) -> bool:
+        """Whether all steps were made by then."""
+        return t_s > (self.count - 0.5) * self.step_s
+
     def table(self, t_s: float, kick_s: float, step_s: float) -> tuple[Vector, Vector]:
         """Displacement of a moving table at the start of a step, and its mean velocity in it; that of the instant `kick_s`, to
         which the step takes velocities, where this is not its middle: at impacts, and where the floor's acceleration jumps.
@@ -399,6 +411,26 @@ class Schedule:
         if abs(kick_s - t_s - 0.5 * step_s) > SAME_INSTANT * self.step_s or kick_s in self._jumps_s:
             rate = at_kick
         return (float(here[0]), float(here[1]), float(here[2])), (float(rate[0]), float(rate[1]), float(rate[2]))
+
+
+Level = TypeVar("Level", bound=Settings)
+
+
+def schedules(
+    scene: Scene, own: Level, coarsest: Level, first: int, coarser_from_s: float
+) -> list[tuple[Level, Schedule]]:
+    """The steps of a run by its `own` settings from number `first` on, and by the `coarsest` ones from `coarser_from_s` on.
+
+    What comes after that instant no step bounds: a finer one would only take longer to tell one of many possible motions.
+    """
+    number = step_count(min(coarser_from_s, scene.duration_s), coarsest.dt_s)
+    from_s = number * coarsest.dt_s
+    if coarsest.dt_s <= own.dt_s or not first * own.dt_s < from_s < scene.duration_s - coarsest.dt_s:
+        return [(own, Schedule(scene, own.dt_s, first, step_count(scene.duration_s, own.dt_s)))]
+    return [
+        (own, Schedule(scene, own.dt_s, first, step_count(from_s, own.dt_s))),
+        (coarsest, Schedule(scene, coarsest.dt_s, number, step_count(scene.duration_s, coarsest.dt_s))),
+    ]
 
 
 # What a contact engine's loop recorded, before it becomes a run: from its rows to the trajectory, with the columns that only
@@ -533,7 +565,9 @@ def _whole_steps(record: StepLog, step_s: float, scene: Scene) -> tuple[Array, A
     ):
         if columns.stop <= rows.shape[1]:
             rows[:, columns] = _synchronous(rows[:, columns], t_s, kick_s, limit)
-    whole = t_s == np.round(t_s / step_s) * step_s
+    coarser_from_s, coarser_s = record.coarser
+    steps_s = np.where(t_s > coarser_from_s, coarser_s, step_s)
+    whole = t_s == np.round(t_s / steps_s) * steps_s
     whole[-1] = True
     t_s, rows = t_s[whole], rows[whole]
     if t_s[0] > 0.0:

@@ -407,9 +407,9 @@ def _sweep_of(scene: Scene, key: str, values: Array) -> dict[str, Array] | None:
 # The exact body in three dimensions on the draws of a scene that is shaken across its rocking plane.
 
 SPACE: Final = "spatial"
-MOST_STEPS: Final = 300_000
+MOST_STEPS: Final = 150_000
 """Steps of all runs together after which no draws are begun: some"""
-SPACE_S: Final = 6.0
+SPACE_S: Final = 3.0
 """seconds of one core, and"""
 RUN_STEPS: Final = 20_000
 """steps after which one run is given up: what stands or falls in a record of a minute takes a thousand at the median."""

@@ -16,7 +16,7 @@ from harness.comparison.scores import errors
 from harness.engines.base import VERIFICATION_STEP_SHARE, Engine, Settings
 from harness.engines.pybullet.adapter import Bullet3D
 from harness.engines.pymunk import Munk2D
-from harness.model import BaseExcitation, Capabilities, Run, RunOptions, Scene
+from harness.model import BaseExcitation, Capabilities, Run, RunOptions, Scene, number
 from harness.questions.bench.standard_scenes import scene_of
 from tests import budgets_engines as budget
 from tests import doubles
@@ -390,9 +390,31 @@ def test_a_scene_that_outgrows_every_level_costs_one_whole_run_and_says_as_much(
     exact = simulate(scene, "analytic", accuracy_rad=1e-8)
     assert errors(run, exact, run.bounded_until_s)[0] <= run.numerical_uncertainty_rad
     assert run.work["steps_of_all_runs"] < 0.8 * climbed.work["steps_of_all_runs"]
-    # Whole is the run that is kept; its check has 1/0.45 of its steps, as far as it goes, and a third run goes as far as both.
-    share = 1.1 * run.bounded_until_s / scene.duration_s
-    assert run.work["steps_of_all_runs"] < run.steps * (1.0 + share * (1.0 / VERIFICATION_STEP_SHARE + 1.0) + 0.2)
+    # Whole is the run that is kept; its check has 1/0.45 of its steps until the two have parted, and a third run goes as far.
+    fine = 1.3 * run.bounded_until_s / number(run.settings, "dt_s")
+    assert run.work["steps_of_all_runs"] < 1.2 * run.steps + fine * (1.0 / VERIFICATION_STEP_SHARE + 1.0)
+
+
+@pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)
+def test_past_what_any_step_bounds_steps_are_coarse_and_what_is_stated_is_the_same(engine: Engine) -> None:
+    scene = paestum(0.334, 4.5, mu=(0.2, 0.15), duration_s=8.0)
+    run = run_to_accuracy(engine, scene, 1e-3, RunOptions())
+    from_s = next(found.values["from_s"] for found in run.findings if found.code == "coarser_steps")
+    own = engine.settings_for_dt(scene, number(run.settings, "dt_s"))
+    whole = engine.simulate(scene, own, RunOptions())
+    assert run.bounded_until_s < from_s < scene.duration_s
+    assert run.history is not None
+    assert whole.history is not None
+    # To the last bit up to the sample before: velocities at that instant are read from the step after it.
+    fine = run.history.t_s < from_s - own.dt_s
+    assert fine.sum() > 0.2 * fine.size
+    assert np.array_equal(run.history.theta_rad[fine], whole.history.theta_rad[: fine.size][fine])
+    assert np.array_equal(run.history.slip_m[fine], whole.history.slip_m[: fine.size][fine])
+    # What the coarsest level takes from there, and what its events take.
+    steps = from_s / own.dt_s + (scene.duration_s - from_s) / engine.refinement_levels(scene)[0].dt_s
+    assert run.steps < 1.1 * steps < 0.7 * whole.steps
+    apart = run.history.theta_rad - whole.history.theta_rad[: run.history.theta_rad.size]
+    assert np.abs(apart[run.history.t_s < from_s + 0.05]).max() < 1e-3
 
 
 @pytest.mark.parametrize("engine", [Munk2D(), Bullet3D()], ids=lambda engine: engine.name)

@@ -124,7 +124,7 @@ def test_rolling_on_the_rim() -> None:
     spin = turned @ np.array([-closed.precession_rad_s * math.sin(tilt), 0.0, closed.axial_rad_s])
     start = (0.0, 0.0, -lowest, *body.quaternion(turned @ setup.axes), 0.0, 0.0, 0.0, *spin.tolist())
     level = load("pybullet").settings_for_dt(case, 2.5e-4)
-    found = run_phases.run(case, level, replace(setup, start=start), NOTHING_SKIPPED)  # type: ignore[arg-type]
+    found = run_phases.run(case, level, replace(setup, start=start), NOTHING_SKIPPED, level)  # type: ignore[arg-type]
     up = (matrices(found.record.rows[:, 3:7]) @ setup.axes.T)[:, :, 2]
     azimuth = np.unwrap(np.arctan2(up[:, 1], up[:, 0]))
     rate = (azimuth[-1] - azimuth[0]) / found.record.t_s[-1]
