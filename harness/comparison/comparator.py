@@ -435,8 +435,11 @@ def compare(
     compare, or when the two do not overlap in time.
     """
     name_a, name_b = names or (a.engine if isinstance(a, Run) else "a", b.engine if isinstance(b, Run) else "b")
-    _check(a, name_a)
-    _check(b, name_b)
+    for answer, name in ((a, name_a), (b, name_b)):
+        if isinstance(answer, Run):
+            ended, peak_rad = f"{answer.outcome.value} ({answer.message})", answer.peak_theta_rad
+            require(not answer.outcome.failed, name, "a run with an answer", ended)
+            require(math.isfinite(peak_rad), name, "a finite rotation", repr(peak_rad), key="peak_theta_rad")
     sides = (
         side_of(a, name_a, horizons_s[0], uncertainties_rad[0], slip_uncertainties_m[0]),
         side_of(b, name_b, horizons_s[1], uncertainties_rad[1], slip_uncertainties_m[1]),
@@ -474,13 +477,6 @@ def compare(
         after_horizon=after_horizon(excursions, both, until),
         iso=rate_by_iso(within) if iso else None,
     )
-
-
-def _check(answer: Run | History, name: str) -> None:
-    if isinstance(answer, Run):
-        said, peak_rad = f"{answer.outcome.value} ({answer.message})", answer.peak_theta_rad
-        require(not answer.outcome.failed, name, "a run with an answer", said)
-        require(math.isfinite(peak_rad), name, "a finite rotation", repr(peak_rad), key="peak_theta_rad")
 
 
 def _scores(

@@ -60,13 +60,12 @@ def peak_of(history: History, until_s: float = math.inf) -> Peak:
     best = Peak(float(history.theta_rad[k]), float(history.t_s[k]))
     rate = history.theta_rate_rad_s
     for i in (k - 1, k):
-        if i < 0 or i + 1 >= rate.size or rate[i] * rate[i + 1] >= 0.0:
-            continue
-        share = rate[i] / (rate[i] - rate[i + 1])
-        time = float(history.t_s[i] + share * (history.t_s[i + 1] - history.t_s[i]))
-        theta = float(history.at(np.array([time]))[0])
-        if abs(theta) > abs(best.theta_rad) and time <= until_s:
-            best = Peak(theta, time)
+        if 0 <= i < rate.size - 1 and rate[i] * rate[i + 1] < 0.0:
+            share = rate[i] / (rate[i] - rate[i + 1])
+            time = float(history.t_s[i] + share * (history.t_s[i + 1] - history.t_s[i]))
+            theta = float(history.at(np.array([time]))[0])
+            if abs(theta) > abs(best.theta_rad) and time <= until_s:
+                best = Peak(theta, time)
     return best
 
 
@@ -455,15 +454,14 @@ def share_lost(excursions: Excursions, inertia: Inertia | None) -> Array:
     if inertia is not None:
         ratio = _about(inertia, np.sign(after)) / _about(inertia, excursions.side)
     energy = before * before
-    lost: Array = 1.0 - np.divide(ratio * after * after, energy, out=np.full_like(energy, np.nan), where=energy > 0.0)
-    return lost
+    left = np.divide(ratio * after * after, energy, out=np.full_like(energy, np.nan), where=energy > 0.0)
+    return np.asarray(1.0 - left)
 
 
 def lost_j(excursions: Excursions, inertia: Inertia) -> Array:
     """Energy in J that each impact takes from the rocking motion, shape (k,)."""
     before = 0.5 * _about(inertia, excursions.side) * excursions.rate_before_rad_s**2
-    taken: Array = share_lost(excursions, inertia) * before
-    return taken
+    return np.asarray(share_lost(excursions, inertia) * before)
 
 
 # Two histories beyond the horizon, where no instant of one can be asked of the other: their distributions.

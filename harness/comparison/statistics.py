@@ -457,5 +457,4 @@ def _probit_terms(eta: Array, y: Array) -> tuple[Array, Array, float]:
 def _phi(x: Array) -> Array:
     from scipy.special import ndtr
 
-    values: Array = ndtr(x)
-    return values
+    return np.asarray(ndtr(x))

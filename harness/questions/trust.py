@@ -45,12 +45,21 @@ from harness.model import (
     to_plain,
     versions,
 )
-from harness.questions.assess.model_draws import draws_of, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.probability import SAMPLE_S, End, assess_models, end_of, estimate, run_of
-from harness.questions.assess.sensitivity import crossing
-from harness.questions.scene.answer import counted
-from harness.questions.scene.scene_run import Result, run_scene
-from harness.questions.scene.workload import check as check_work
+from harness.questions.assess.probability import (
+    SAMPLE_S,
+    End,
+    assess_models,
+    crossing,
+    draws_of,
+    end_of,
+    estimate,
+    model_draws,
+    row,
+    run_of,
+    uncertain_inputs,
+    varied,
+)
+from harness.questions.scene.scene_run import Result, check_work, counted, run_scene
 from harness.questions.study.cases import BaseScene, Value, filled, refined
 from harness.records.assess import Assessment
 from harness.records.base import COMING, PAGES, RECORD, Plain, check_folder, check_inputs, part, plain, write_whole
@@ -397,8 +406,8 @@ def said(result: Result, path: Rotation | None = None) -> Said:
     peaks = [abs(run.peak_theta_rad) for run in known.values()]
     alone = not fell and MODEL in known
     path = path or (None if model.history is None else path_of(model.history))
-    until = [values["until_s"] for values in codes.values() if values.get("until_s") is not None]
-    finite = [time_s for time_s in until if math.isfinite(time_s)]
+    until = (values.get("until_s") for values in codes.values())
+    finite = [time_s for time_s in until if time_s is not None and math.isfinite(time_s)]
     outcomes = {
         name: "left_domain" if outside_domain(run) else outcome_family(run.outcome) for name, run in result.runs.items()
     }

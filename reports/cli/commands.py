@@ -292,8 +292,7 @@ def compute(
     Raises `InputError`, also where `out` cannot take the result.
     """
     from harness.engines import load
-    from harness.questions.scene.scene_run import check_writing, run_scene
-    from harness.questions.scene.workload import check as check_work
+    from harness.questions.scene.scene_run import check_work, check_writing, run_scene
 
     options = options_without(no_skip)
     scene, names = asked_scene(scene_file, asked, target)

@@ -13,14 +13,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
+from harness.accuracy.horizon import MODEL
 from harness.input.files import read_files
 from harness.input.scene_file import load_scene
 from harness.input.tables import kind_of
 from harness.model import FRESH, InputError, Say, Scene, caution, check_own, checksum, is_sealed, require
 from harness.questions.assess import assessment
-from harness.questions.assess.model_draws import as_coefficients
 from harness.questions.assess.options import read_options
-from harness.questions.assess.probability import MODEL
+from harness.questions.assess.probability import as_coefficients
 from harness.questions.study.cases import base_of, load_study
 from harness.questions.study.study_record import export_csv, export_parquet, study_record
 from harness.questions.study.study_run import (

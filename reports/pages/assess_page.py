@@ -4,11 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
+from harness.accuracy.horizon import MODEL
 from harness.input.tables import assumption
 from harness.model import Uncertain
-from harness.questions.assess.answer import CLEAR, clearance
-from harness.questions.assess.probability import MODEL
-from harness.questions.assess.sensitivity import LEAST_DRAWS
+from harness.questions.assess.assessment import CLEAR, clearance
+from harness.questions.assess.probability import LEAST_INDEXED
 from harness.records.assess import Assessment, AssessRecord, ClearanceByModel, FragilityRecord, OptionAnswer
 from reports.blocks import (
     Block,
@@ -194,7 +194,7 @@ def _inputs(record: AssessRecord, say: Language) -> list[Section]:
     ]  # fmt: skip
     totals = any(item.total is not None for item in (record.indices or {}).values())
     told = (
-        words(say, "indices" if totals else "indices_few") if indices else words(say, "no_indices", least=LEAST_DRAWS)
+        words(say, "indices" if totals else "indices_few") if indices else words(say, "no_indices", least=LEAST_INDEXED)
     )
     return section(
         say, "inputs", words(say, "assumed") if record.assumed else None,

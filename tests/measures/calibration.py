@@ -17,8 +17,8 @@ import numpy as np
 
 from harness import RunRequest, Scene
 from harness.comparison.statistics import FELL, brier, reliability
-from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.probability import overturns
+from harness.questions.assess.assessment import overturns
+from harness.questions.assess.probability import draw, model_draws, row, uncertain_inputs, varied
 from harness.records.validation import ReliabilityBin
 from tests.measures.pages import renew, table
 from tests.measures.seeded_rows import command_line, measured, seeds_of

@@ -16,8 +16,8 @@ import numpy as np
 
 from harness import RunRequest, Scene, assess
 from harness.comparison.statistics import wilson
-from harness.questions.assess.model_draws import draw, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.probability import LEVEL, overturns
+from harness.questions.assess.assessment import overturns
+from harness.questions.assess.probability import LEVEL, draw, model_draws, row, uncertain_inputs, varied
 from harness.questions.scene.scene_run import run_scene, write_result
 from reports.pages.assess_page import assess_verdict
 from reports.pages.conservator import of_run

@@ -11,8 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.questions.assess.model_draws import ModelDraws, draw, model_draws, uncertain_inputs
-from harness.questions.assess.probability import estimate
+from harness.questions.assess.probability import ModelDraws, draw, estimate, model_draws, uncertain_inputs
 from harness.records.assess import Assessment
 from tests.harness.questions.assess.measure_own_runs import ENGINES, RUNS, SEED, own_runs, scene_of_runs
 from tests.measures.pages import renew, table

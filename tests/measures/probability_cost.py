@@ -14,9 +14,15 @@ from typing import Final
 from harness import assess, load_scene
 from harness.input.tables import read_model
 from harness.model import BaseExcitation, Scene
-from harness.questions.assess.model_draws import draws_of, model_draws, uncertain_inputs, varied
 from harness.questions.assess.options import OptionDraws, compare, in_plane, options_of
-from harness.questions.assess.probability import RUN_DRAWS, assess_models
+from harness.questions.assess.probability import (
+    RUN_DRAWS,
+    assess_models,
+    draws_of,
+    model_draws,
+    uncertain_inputs,
+    varied,
+)
 from harness.questions.study.rocking_spectrum import RING_DOWN_S, SpectrumFile, compute, motions_of
 from reports.messages import probability_text
 from tests.harness.questions.assess.measure_own_runs import own_runs, scene_of_runs

@@ -6,15 +6,13 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.model import SOLID_COLUMNS, Outcome, Scene, Statue, rotations, support_m
+from analytic import simulate
+from harness.model import SOLID_COLUMNS, Array, Outcome, Scene, Statue, rotations, support_m
 from harness.model import two_block as twoblock
-from harness.questions.assess.model_draws import SLOW_DRAWS, Array, ModelDraws, row, sweepable, varied
+from harness.questions.assess.probability import SLOW_DRAWS, Ints, ModelDraws, row, sweepable, varied
 from harness.records.assess import ClearanceByModel
 from meshes.footprint import convex_hull
-
-Ints = NDArray[np.int64]
 
 PLANAR_DEG: Final = (0.0, 180.0)
 """Right and left: all that a planar model knows."""
@@ -42,10 +40,8 @@ LEAST_DRAWS: Final = 20
 """Fewer standing draws have no 95 % quantile: none is told then."""
 
 
-def of_model(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
+def clearance_by_model(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
     """The clearance right and left by the analytic model: of the first draws those in which it knows that the statue stands."""
-    from analytic import simulate
-
     size = CLEARANCE_DRAWS if sweepable(scene, values) else SLOW_DRAWS
     decided, fell, reached = draws.decided[:size], draws.overturned[:size], []
     for number in np.flatnonzero(decided & ~fell).tolist():
@@ -59,7 +55,7 @@ def of_model(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> Cl
     return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
-def of_engine(
+def clearance_by_engine(
     strata: Ints, fell: Mapping[int, bool | Outcome | None], reached_m: Mapping[int, Array]
 ) -> ClearanceByModel:
     """The clearance by the runs of an engine, by number of the draw: each stands for its share of the stratum (n,) that it was
@@ -70,18 +66,18 @@ def of_engine(
     return clearance(list(reached_m.values()), each[strata[list(reached_m)]], len(fell), undecided)
 
 
-def of_space(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
+def clearance_in_space(scene: Scene, values: Mapping[str, Array], draws: ModelDraws) -> ClearanceByModel:
     """The clearance all round by the exact body, on the first draws in which it stands."""
     standing = np.flatnonzero(draws.decided & ~draws.overturned).tolist()
     chosen = standing[:SPACE_RUNS]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        repeated = pool.map(lambda number: _in_space_m(varied(scene, row(values, number))), chosen)
+        repeated = pool.map(lambda number: _reach_in_space_m(varied(scene, row(values, number))), chosen)
         reached = [each for each in repeated if each is not None]
     decided = draws.decided if len(chosen) == len(standing) else draws.decided[: chosen[-1] + 1]
     return clearance(reached, np.ones(len(reached)), decided.size, int((~decided).sum()))
 
 
-def _in_space_m(scene: Scene) -> Array | None:
+def _reach_in_space_m(scene: Scene) -> Array | None:
     """What the exact body reaches; None of a run that does not stand when it is repeated."""
     from analytic import spatial
     from harness.engines.spatial import problem_of, trajectory_of

@@ -13,30 +13,35 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 from pydantic import Field
 
+from harness.accuracy.horizon import MODEL
 from harness.input.mistakes import UserTable
 from harness.input.scene_file import check_wall
 from harness.input.tables import read_model
-from harness.model import Contact, InputError, Mistake, Scene, Uncertain, require, scan_azimuth_deg, written
-from harness.questions.assess.model_draws import (
+from harness.model import Array, Contact, InputError, Mistake, Scene, Uncertain, require, scan_azimuth_deg, written
+from harness.questions.assess.probability import (
     KINETIC,
     LEAST_SHARE,
+    LEVEL,
+    NONE_SAMPLED,
     SLOW_DRAWS,
     STATIC,
-    Array,
+    End,
     Flags,
     ModelDraws,
+    Outside,
     draw,
     joined,
     model_draws,
+    probability_of,
     repeated,
     reread,
     row,
+    sampled,
     space_draws,
     sweepable,
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.probability import LEVEL, MODEL, NONE_SAMPLED, End, Outside, probability_of, sampled
 from harness.records.assess import FLOOR, TURNED, OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 from harness.statics.plan import as_one, sliding, turned_block, widened
@@ -196,8 +201,8 @@ def read_options(path: Path, scene: Scene) -> list[Option]:
 
 def _users(name: str, values: Mapping[str, object], path: Path, scene: Scene) -> Option:
     other = reread(scene, values, f"{path}: option {name!r}")
-    sets: Sequence[str] = [f"{key} = {value}" for key, value in values.items()]
-    return Option(name, lambda _: other, {"set": ", ".join(sets)}, path.name, user=True)
+    sets = ", ".join(f"{key} = {value}" for key, value in values.items())
+    return Option(name, lambda _: other, {"set": sets}, path.name, user=True)
 
 
 PAIRS: Final = {
@@ -387,13 +392,21 @@ def answer_of(option: Option, answered: OptionDraws, before: OptionDraws | None)
     """What is told of an option, by its draws and the same ones `before` it, of the scene as it is."""
     model = answered.model
     share = probability_of(*answered)
-    median_m, high_m = None, None
-    if np.isfinite(model.peak_slip_m).all():
-        median_m, high_m = (float(value) for value in np.quantile(model.peak_slip_m, (0.5, HIGH)))
-    change = None if before is None else difference_of(answered, before)
-    interval = share.probability_overturned, share.low, share.high
-    told = option.name, option.values, option.source
-    return OptionAnswer(*told, share.draws, *interval, median_m, high_m, change, share.undecided)
+    followed = bool(np.isfinite(model.peak_slip_m).all())
+    median_m, high_m = np.quantile(model.peak_slip_m, (0.5, HIGH)).tolist() if followed else (None, None)
+    return OptionAnswer(
+        name=option.name,
+        values=option.values,
+        source=option.source,
+        draws=share.draws,
+        probability_overturned=share.probability_overturned,
+        low=share.low,
+        high=share.high,
+        slip_median_m=median_m,
+        slip_high_m=high_m,
+        difference=None if before is None else difference_of(answered, before),
+        undecided=share.undecided,
+    )
 
 
 def difference_of(answered: OptionDraws, before: OptionDraws) -> Interval:

@@ -96,7 +96,7 @@ def _outgrown(scene: Scene, name: str, run: Run, parts_s: float, target: RunTarg
             said = caution(
                 "target_met_until", target_rad=target.target_rad, until_s=until_s, end_s=run.end_s, small_rad=small_rad
             )
-            others = tuple(each for each in run.findings if not each.code.startswith("target_met_until"))
+            others = (each for each in run.findings if not each.code.startswith("target_met_until"))
             return {name: replace(run, reliable_until_s=until_s, findings=(*others, said))}
     return {}
 
@@ -227,16 +227,15 @@ def _affordable(engine: Engine, scene: Scene, until_s: float, steps: float) -> t
 
 
 def _judged(scene: Scene, run: Run, plain: Run, coarser: Run) -> Judged:
-    scores = compare(run, plain)
-    evidence = scores.evidence
+    evidence = compare(run, plain).evidence
     known_s = min(run.bounded_until_s, plain.bounded_until_s)
     parts_s = evidence.exceeded_s
-    if parts_s is not None and parts_s <= known_s and _falls(scene, run, plain, coarser, parts_s):
+    if parts_s is None or parts_s > known_s:
+        own_rad = plain.numerical_uncertainty_rad or 0.0
+        return Judged(True, known_s, evidence.largest_reliable_difference_rad + own_rad)
+    if _falls(scene, run, plain, coarser, parts_s):
         return Judged(True, parts_s, evidence.limit_rad)
-    if parts_s is not None and parts_s <= known_s:
-        return Judged(False, parts_s, evidence.largest_difference_rad, parts_s)
-    apart = evidence.largest_reliable_difference_rad
-    return Judged(True, known_s, apart + (plain.numerical_uncertainty_rad or 0.0))
+    return Judged(False, parts_s, evidence.largest_difference_rad, parts_s)
 
 
 def _third(engine: Engine, scene: Scene, until_s: float, steps: float, options: RunOptions) -> Run | None:

@@ -47,8 +47,8 @@ from harness.model import (
     versions,
 )
 from harness.model.run_set import run_set
+from harness.questions.scene.scene_run import LONGEST_S
 from harness.questions.scene.witness import BUDGET, findings_of, plain_names, witnesses
-from harness.questions.scene.workload import LONGEST_S
 from harness.questions.study.cases import (
     COARSEST,
     EVERY,

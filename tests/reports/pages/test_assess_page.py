@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from harness.model import Severity
-from harness.questions.assess.answer import answer_of, findings_of
-from harness.questions.assess.assessment import assess
+from harness.questions.assess.assessment import answer_of, assess, findings_of
 from harness.records.assess import Assessment, AssessRecord, Index, ProbabilityDifference
 from reports.blocks import Table
 from reports.messages import ENGLISH

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Final
 
 from harness import RunRequest, Scene, load_scene
-from harness.questions.assess.model_draws import draw, row, uncertain_inputs, varied
-from harness.questions.assess.probability import overturns
+from harness.questions.assess.assessment import overturns
+from harness.questions.assess.probability import draw, row, uncertain_inputs, varied
 
 SCENE: Final = Path(__file__).parents[4] / "scenes" / "paestum_pedestal.toml"
 KEPT: Final = Path(__file__).parent / "own_runs.json"

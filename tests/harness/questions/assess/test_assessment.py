@@ -11,11 +11,22 @@ from analytic import Harmonic, Pulse
 from harness import InputError, Outcome, RunOptions, engines, load_scene
 from harness.comparison.statistics import wilson
 from harness.model import BaseExcitation, Pedestal, Scene, Wall
-from harness.questions.assess.answer import answer_of, findings_of, probability
-from harness.questions.assess.assessment import assess, difference
-from harness.questions.assess.model_draws import ModelDraws, draw, draws_of, model_draws, row, uncertain_inputs, varied
-from harness.questions.assess.probability import Outside, assess_models, jeffreys, probability_of
-from harness.questions.assess.sensitivity import fragility_of
+from harness.questions.assess.assessment import answer_of, assess, difference, findings_of
+from harness.questions.assess.probability import (
+    ModelDraws,
+    Outside,
+    assess_models,
+    draw,
+    draws_of,
+    finding_of,
+    fragility_of,
+    jeffreys,
+    model_draws,
+    probability_of,
+    row,
+    uncertain_inputs,
+    varied,
+)
 from harness.records.assess import Assessment, AssessRecord, NotAssessed
 from harness.runs.runner import InlinePool
 from reports.messages import ENGLISH
@@ -126,7 +137,7 @@ def test_a_push_across_the_plane_is_the_exact_bodys_to_answer_and_never_green() 
     across = replace(on_pedestal, base_excitation=excitation)
     alone = assess_models(across, draws=20)
     assert list(alone) == ["analytic"]
-    assert probability(alone).values["planar"] == ["in_plane"]
+    assert finding_of(alone).values["planar"] == ["in_plane"]
     mine = replace(record, assessment=alone, scene=replace(record.scene, file="my scene.toml"))
     (command,) = (each for each in findings_of(mine) if each.code == "assess_in_space")
     assert command.values == {"file": "'my scene.toml'"}, "as a shell takes it"
@@ -183,7 +194,7 @@ def test_draws_outside_the_models_domain_are_open_where_no_engine_answers(monkey
     assert found.left_domain > 0.99
     assert (found.low, found.high, found.sampled) == (0.0, 1.0, 0)
     assert not found.tells
-    assert probability({"analytic": found}).code == "probability_open"
+    assert finding_of({"analytic": found}).code == "probability_open"
     low = assess_models(replace(TALL, pedestal=Pedestal(80.0, 1.0, 1.0, 0.2)))["analytic"]
     assert low.tells
 
@@ -301,7 +312,7 @@ def test_draws_that_touch_the_wall_are_told_as_such() -> None:
     ends = analytic_outcomes(walled, 300)
     assert 0.9 < found.touches_wall == ends.count("touches_wall") / len(ends)
     assert found.undecided >= found.touches_wall
-    open_ = probability({"analytic": found})
+    open_ = finding_of({"analytic": found})
     assert open_.code == "probability_open"
     assert open_.values["touches_wall"] == found.touches_wall
     assert open_.values["undecided"] == pytest.approx(found.undecided - found.touches_wall)

@@ -10,7 +10,7 @@ from analytic import Record
 from harness import InputError, load_scene
 from harness.input.tables import ASSUMPTIONS, assumption
 from harness.model import BaseExcitation
-from harness.questions.assess.model_draws import draw, model_draws, sweepable, uncertain_inputs, varied
+from harness.questions.assess.probability import draw, model_draws, sweepable, uncertain_inputs, varied
 from reports.messages import ENGLISH
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import PAESTUM, paestum, scene

@@ -9,19 +9,18 @@ import pytest
 from analytic import Pulse
 from harness.engines.stepping.trajectory import statue_columns
 from harness.model import BaseExcitation, Pedestal, Scene, Statue
-from harness.questions.assess.answer import CLEAR, answer_of, without_clearance
-from harness.questions.assess.answer import clearance as clearance_finding
-from harness.questions.assess.assessment import assess
+from harness.questions.assess.assessment import CLEAR, answer_of, assess, without_clearance
+from harness.questions.assess.assessment import clearance as clearance_finding
 from harness.questions.assess.clearance import (
     AROUND_DEG,
     PARTS,
     PLANAR_DEG,
     clearance,
-    of_model,
+    clearance_by_model,
     reach_m,
     rest_outline_m,
 )
-from harness.questions.assess.model_draws import draw, model_draws, uncertain_inputs
+from harness.questions.assess.probability import draw, model_draws, uncertain_inputs
 from harness.records.assess import ClearanceByModel, ClearanceRecord
 from harness.runs.runner import InlinePool
 from reports.drawing.pictures import probable_plan
@@ -75,7 +74,7 @@ def test_a_pose_in_space_by_hand() -> None:
 def cleared(scene: Scene, count: int) -> ClearanceByModel:
     """The model's clearance on so many draws."""
     values = draw(uncertain_inputs(scene), count, seed=0)
-    return of_model(scene, values, model_draws(scene, values))
+    return clearance_by_model(scene, values, model_draws(scene, values))
 
 
 def test_draws_outside_the_models_domain_are_no_standing_ones() -> None:
@@ -114,7 +113,7 @@ def test_draws_without_an_end_are_no_standing_ones() -> None:
     cut = paestum(0.429, 3.0, duration_s=3.0)
     values = draw(uncertain_inputs(cut), 60, seed=0)
     model = model_draws(cut, values)
-    answer = of_model(cut, values, model)
+    answer = clearance_by_model(cut, values, model)
     assert answer.undecided > 0
     assert answer.undecided == int((~model.decided).sum())
     assert answer.standing == int((model.decided & ~model.overturned).sum())
@@ -132,7 +131,7 @@ def test_a_draw_that_falls_when_it_is_repeated_is_no_standing_one() -> None:
     shaken = paestum(0.429, 3.0, duration_s=10.0)
     values = draw(uncertain_inputs(shaken), 100, seed=0)
     model = model_draws(shaken, values)
-    answer = of_model(shaken, values, model._replace(overturned=np.zeros_like(model.overturned)))
+    answer = clearance_by_model(shaken, values, model._replace(overturned=np.zeros_like(model.overturned)))
     assert answer.standing < int(model.decided.sum())
     assert np.max(answer.outline_m) < 0.5, "none of the statue's height"
 

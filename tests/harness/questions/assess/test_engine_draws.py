@@ -12,8 +12,8 @@ import trimesh
 
 from harness import InputError, Outcome, assess, load_scene, simulate
 from harness.model import Wall
-from harness.questions.assess.model_draws import IMPACT, ModelDraws
-from harness.questions.assess.probability import estimate, overturns
+from harness.questions.assess.assessment import overturns
+from harness.questions.assess.probability import IMPACT, ModelDraws, estimate
 from harness.records.assess import Assessment
 from harness.runs.progress import LESS_STORED
 from harness.runs.runner import InlinePool
@@ -121,7 +121,7 @@ def test_a_killed_assessment_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
             raise KeyboardInterrupt
         return overturns(drawn)
 
-    monkeypatch.setattr("harness.questions.assess.probability.overturns", interrupted)
+    monkeypatch.setattr("harness.questions.assess.assessment.overturns", interrupted)
     with Store(tmp_path / "store.sqlite") as store, pytest.raises(KeyboardInterrupt):
         assess(scene, ["pymunk"], store=store, pool=InlinePool(), **FEW)
     monkeypatch.undo()

@@ -10,7 +10,8 @@ from scipy.stats import spearmanr
 
 from harness import InputError, load_scene
 from harness.model import Contact, Scene, Uncertain
-from harness.questions.assess.model_draws import (
+from harness.questions.assess.options import in_plane, options_of
+from harness.questions.assess.probability import (
     IMPACT,
     KINETIC,
     STATIC,
@@ -22,7 +23,6 @@ from harness.questions.assess.model_draws import (
     uncertain_inputs,
     varied,
 )
-from harness.questions.assess.options import in_plane, options_of
 from tests import budgets_assess as budget
 from tests.scenes_for_tests import SCENES, paestum
 

@@ -11,9 +11,9 @@ from analytic import Pulse
 from harness import InputError, assess, load_scene
 from harness.model import BaseExcitation, Pedestal, Scene, Uncertain, Wall
 from harness.questions.assess import options as made
-from harness.questions.assess.answer import best_option, of_options
-from harness.questions.assess.model_draws import draw, draws_of, model_draws, uncertain_inputs
+from harness.questions.assess.assessment import best_option, of_options
 from harness.questions.assess.options import PAIRS, OptionDraws, common, compare, in_plane, paired_difference
+from harness.questions.assess.probability import draw, draws_of, model_draws, uncertain_inputs
 from harness.records.assess import FLOOR, OptionAnswer, OptionsRecord
 from harness.records.scores import Interval
 from harness.statics.plan import as_one, sliding, turned_block

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from harness.questions.assess import probability
-from harness.questions.assess.assessment import assess
-from harness.questions.assess.model_draws import draw, model_draws, uncertain_inputs
-from harness.questions.assess.probability import EngineRuns, estimate
+from harness.questions.assess.assessment import EngineRuns, assess
+from harness.questions.assess.probability import draw, estimate, model_draws, uncertain_inputs
 from harness.runs.execute import Campaign
 from harness.runs.runner import InlinePool
 from harness.runs.store import Store
@@ -54,7 +53,7 @@ def test_an_assessment_s_runs_are_those_of_the_thousand(name: str, monkeypatch: 
     scene, most = scene_of_runs(), 3 * OF_STRATUM[name]
     values = draw(uncertain_inputs(scene), RUNS, SEED)
     with Store(Path(":memory:")) as store:
-        runs = EngineRuns(scene, name, values, Campaign(store, InlinePool()), lambda text: None)
+        runs = EngineRuns(scene, name, values, Campaign(store, InlinePool()).ask, lambda text: None)
         estimate(model_draws(scene, values), runs, half_width=0.05, most_runs=most)
     found = runs.fell
     assert len(found) == most

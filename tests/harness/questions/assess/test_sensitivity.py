@@ -9,9 +9,19 @@ import pytest
 
 from harness.input.scene_file import load_scene
 from harness.model import Uncertain, info
-from harness.questions.assess.answer import reserve
-from harness.questions.assess.model_draws import ModelDraws, draw, model_draws, sweepable, uncertain_inputs
-from harness.questions.assess.sensitivity import LEAST_DRAWS, fragility, fragility_of, indices, indices_of_draws
+from harness.questions.assess.assessment import reserve
+from harness.questions.assess.probability import (
+    LEAST_INDEXED,
+    ModelDraws,
+    draw,
+    fragility,
+    fragility_of,
+    indices,
+    indices_of_draws,
+    model_draws,
+    sweepable,
+    uncertain_inputs,
+)
 from reports.messages import ENGLISH
 from tests import budgets_assess as budget
 from tests.harness.questions.assess.measure_own_runs import SCENE
@@ -20,7 +30,7 @@ INPUTS = [Uncertain(key, "normal", 0.0, 1.0) for key in ("a", "b")]
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.5, 1.0, 3.0, 30.0])
-@pytest.mark.parametrize("count", [LEAST_DRAWS, 400])
+@pytest.mark.parametrize("count", [LEAST_INDEXED, 400])
 def test_an_index_by_ranks_holds_the_known_one_as_often_as_it_says(slope: float, count: int) -> None:
     """A fall at a x slope + b > 0: the share of the variance that a explains is that of Φ(slope a), four times."""
     own = NormalDist()
@@ -58,7 +68,7 @@ def test_neighbours_in_three_inputs_tell_a_total_and_in_more_none() -> None:
 def test_too_few_draws_or_such_as_end_alike_or_inputs_that_hang_together_have_no_index() -> None:
     values = draw(INPUTS, 300, 0)
     fell = values["a"] > 0.0
-    assert indices_of_draws(INPUTS, values, fell[: LEAST_DRAWS - 1]) == {}
+    assert indices_of_draws(INPUTS, values, fell[: LEAST_INDEXED - 1]) == {}
     assert indices_of_draws(INPUTS, values, np.zeros(300, dtype=bool)) == {}
     linked = [INPUTS[0], replace(INPUTS[1], correlated_with="a", rho=0.5)]
     assert indices_of_draws(linked, values, fell) == {}

@@ -9,8 +9,8 @@ import pytest
 from analytic import Pulse
 from harness import Outcome, assess, load_scene, simulate
 from harness.model import BaseExcitation, Scene
-from harness.questions.assess.model_draws import ModelDraws, draw, row, space_draws, uncertain_inputs, varied
 from harness.questions.assess.options import AS_IT_IS, OptionDraws, difference_of, options_of
+from harness.questions.assess.probability import ModelDraws, draw, row, space_draws, uncertain_inputs, varied
 from harness.records.assess import TURNED
 from tests.scenes_for_tests import block, rectangle, scene
 

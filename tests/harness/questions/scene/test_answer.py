@@ -8,7 +8,7 @@ import pytest
 
 from harness import Outcome, Run, Scene, compare
 from harness.model import Finding, caution
-from harness.questions.scene.answer import answer_of
+from harness.questions.scene.scene_run import answer_of
 from harness.records.assess import Assessment
 from harness.records.run import HorizonRecord, has_answer
 from tests import doubles

@@ -9,9 +9,9 @@ import pytest
 
 from harness import Outcome, Run, Scene, Verdict, compare, load_scene, run_scene
 from harness.questions.assess import probability
-from harness.questions.assess.model_draws import space_draws
-from harness.questions.scene import left_out
-from harness.questions.scene.left_out import TAKEN_AWAY, TakenAway, explained, with_reasons
+from harness.questions.assess.probability import space_draws
+from harness.questions.scene import scene_run
+from harness.questions.scene.scene_run import TAKEN_AWAY, TakenAway, explained, with_reasons
 from tests.doubles import codes, raised, rest, run_of
 from tests.reports.invented_run import invented_scores
 
@@ -63,7 +63,7 @@ def test_a_cause_is_named_by_what_stays_without_it(
     scene = load_scene(root / "scenes" / "paestum_pedestal.toml")
     plane = run_of(rest(1.0), "pymunk")
     space = run_of(raised(rest(1.0), 0.02), "pybullet")
-    monkeypatch.setattr(left_out, "_again", lambda *given: run_of(raised(rest(1.0), left_rad), "pybullet"))
+    monkeypatch.setattr(scene_run, "_again", lambda *given: run_of(raised(rest(1.0), left_rad), "pybullet"))
     scores = invented_scores("pymunk", "pybullet")
     evidence = replace(scores.evidence, limit_rad=5e-4, differs_in="rotation")
     scores = replace(scores, verdict=Verdict.MODEL, evidence=evidence)
@@ -104,8 +104,8 @@ def test_models_differ_where_they_do_without_all_that_the_plane_leaves_out(
         return run_of(apart, "pybullet", reliable_until_s=known_s, **stated)
 
     half = run_of(replace(still, theta_rad=0.01 * still.t_s), "pybullet")
-    monkeypatch.setattr(left_out, "_again", lambda *given: half)
-    monkeypatch.setattr(left_out, "simulate", bounded)
+    monkeypatch.setattr(scene_run, "_again", lambda *given: half)
+    monkeypatch.setattr(scene_run, "simulate", bounded)
     scores = compare(runs["pymunk"], runs["pybullet"])
     limit_s = scores.evidence.limit_rad / 0.02
     evidence = replace(scores.evidence, limit_rad=20.0 * scores.evidence.limit_rad)
@@ -126,8 +126,10 @@ def test_an_engine_that_fails_without_it_shows_no_difference_of_models(
     scene, still = load_scene(root / "scenes" / "paestum_pedestal.toml"), rest(1.0)
     apart = run_of(replace(still, theta_rad=0.02 * still.t_s), "pybullet", **stated)
     runs = {"pymunk": run_of(still, "pymunk", **stated), "pybullet": apart}
-    monkeypatch.setattr(left_out, "_again", lambda *given: None)
-    monkeypatch.setattr(left_out, "simulate", lambda *given, **named: run_of(None, "pybullet", outcome=Outcome.CRASHED))
+    monkeypatch.setattr(scene_run, "_again", lambda *given: None)
+    monkeypatch.setattr(
+        scene_run, "simulate", lambda *given, **named: run_of(None, "pybullet", outcome=Outcome.CRASHED)
+    )
     scores = {"pair": compare(runs["pymunk"], runs["pybullet"])}
     judged = with_reasons(runs, scores, TakenAway(scene))["pair"]
     assert (scores["pair"].verdict, judged.verdict) == (Verdict.MODEL, Verdict.UNBOUNDED)
@@ -138,8 +140,8 @@ def test_of_runs_that_state_no_error_no_other_is_asked(root: Path, monkeypatch: 
     scene, still = load_scene(root / "scenes" / "paestum_pedestal.toml"), rest(1.0)
     apart = run_of(replace(still, theta_rad=0.02 * still.t_s), "pybullet")
     runs = {"pymunk": run_of(still, "pymunk"), "pybullet": apart}
-    monkeypatch.setattr(left_out, "_again", lambda *given: apart)
-    monkeypatch.delattr(left_out, "simulate")
+    monkeypatch.setattr(scene_run, "_again", lambda *given: apart)
+    monkeypatch.delattr(scene_run, "simulate")
     scores = {"pair": compare(runs["pymunk"], runs["pybullet"])}
     assert with_reasons(runs, scores, TakenAway(scene))["pair"].verdict is scores["pair"].verdict
 
@@ -151,7 +153,7 @@ def test_of_a_scene_that_the_plane_leaves_nothing_out_of_no_other_run_is_asked(
     scene, still = load_scene(root / "scenes" / "paestum_block.toml"), rest(1.0)
     apart = replace(still, theta_rad=0.02 * still.t_s)
     runs = {"pymunk": run_of(still, "pymunk", **stated), "pybullet": run_of(apart, "pybullet", **stated)}
-    monkeypatch.delattr(left_out, "simulate")
+    monkeypatch.delattr(scene_run, "simulate")
     scores = {"pair": compare(runs["pymunk"], runs["pybullet"])}
     assert with_reasons(runs, scores, TakenAway(scene))["pair"].verdict is Verdict.MODEL
 
@@ -164,7 +166,7 @@ def test_a_cause_is_judged_where_the_difference_first_stands(
     scene, still = load_scene(root / "scenes" / "paestum_pedestal.toml"), rest(1.0)
     space = replace(still, theta_rad=0.02 * still.t_s)
     again = replace(still, theta_rad=0.02 * np.maximum(still.t_s - late_s, 0.0))
-    monkeypatch.setattr(left_out, "_again", lambda *given: run_of(again, "pybullet"))
+    monkeypatch.setattr(scene_run, "_again", lambda *given: run_of(again, "pybullet"))
     scores = invented_scores("pymunk", "pybullet")
     scores = replace(
         scores, verdict=Verdict.MODEL, evidence=replace(scores.evidence, limit_rad=5e-4, differs_in="rotation")

@@ -30,13 +30,13 @@ needs_pybullet = pytest.mark.skipif(
 @needs_pybullet
 def test_a_process_of_its_own_changes_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, began = paestum(0.3, 2.0, pedestal=False), []
-    isolated = run._isolated
+    isolated = run.simulate_isolated
 
-    def beside(name: str, *given: Any) -> Run:
+    def beside(given: Scene, name: str, *target: Any) -> Run:
         began.append(name)
-        return isolated(name, *given)
+        return isolated(given, name, *target)
 
-    monkeypatch.setattr(run, "_isolated", beside)
+    monkeypatch.setattr(run, "simulate_isolated", beside)
     alone = run_scene(scene, ["analytic", "pybullet"], dt_s=1e-3, apart=True)
     assert began == [], "it takes longer to start than the run"
     monkeypatch.setattr(forecast, "START_S", 0.0)
@@ -87,7 +87,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(
 ) -> None:
     awaited, said = Event(), []
 
-    def slow(name: str, *given: object) -> Run:
+    def slow(*given: object) -> Run:
         assert awaited.wait(10.0), "nobody said what is still at work"
         return simulate(scene, "analytic")
 
@@ -97,7 +97,7 @@ def test_an_engine_that_works_on_beside_the_others_is_told(
             awaited.set()
 
     scene = paestum(0.3, 2.0, pedestal=False)
-    monkeypatch.setattr(run, "_isolated", slow)
+    monkeypatch.setattr(run, "simulate_isolated", slow)
     monkeypatch.setattr(forecast, "START_S", 0.0)
     simulate(scene, "analytic")  # the planar model is compiled by now
     monkeypatch.setattr(Entry, "is_stored", stored)
@@ -219,7 +219,7 @@ def _slow(told: Path) -> None:
 @needs_pybullet
 def test_an_interrupt_ends_what_runs_beside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in a process of its own that is long, or stopped, is not waited for."""
-    monkeypatch.setattr(run, "_isolated", lambda *_: task.call(_slow, (tmp_path / "ended",)))
+    monkeypatch.setattr(run, "simulate_isolated", lambda *_: task.call(_slow, (tmp_path / "ended",)))
     monkeypatch.setattr(forecast, "START_S", 0.0)
 
     def interrupt(text: str) -> None:
@@ -238,13 +238,13 @@ def test_a_failure_beside_ends_what_else_runs_beside(monkeypatch: pytest.MonkeyP
     """The others' threads waited for their long runs before the failure was told."""
     ended = Event()
 
-    def beside(name: str, *given: object) -> Run:
+    def beside(given: Scene, name: str, *target: object) -> Run:
         if name == "pybullet":
             raise RuntimeError("no process")
         assert ended.wait(10.0), "nobody ended it"
         return doubles.run_of(None, name)
 
-    monkeypatch.setattr(run, "_isolated", beside)
+    monkeypatch.setattr(run, "simulate_isolated", beside)
     monkeypatch.setattr(run, "_give_up", lambda waiting: ended.set())
     monkeypatch.setattr(forecast, "START_S", 0.0)
     with pytest.raises(RuntimeError, match="no process"):

@@ -21,7 +21,7 @@ from harness.accuracy.forecast import Range
 from harness.accuracy.horizon import MODEL
 from harness.model import Severity
 from harness.questions import trust
-from harness.questions.assess.sensitivity import crossing
+from harness.questions.assess.probability import crossing
 from harness.questions.trust import (
     Map,
     Plane,
