@@ -60,10 +60,6 @@ class TwoBlock(Engine):
     )
     order: ClassVar[float] = 8.0
 
-    def missing(self) -> str | None:
-        """Always there."""
-        return None
-
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:
         """Three aimed errors; the step's length follows from them."""
         return tuple(TwoBlockSettings(0.0, accuracy, accuracy) for accuracy in ACCURACIES_RAD)

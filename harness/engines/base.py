@@ -6,8 +6,8 @@ How to add an engine
    only, and inside functions, so that a run that does not ask for it does not pay for it.
 2. Declare `name`, `capabilities` and `order`; the shared tests are driven by them and check them: a flag that is not true
    fails.
-3. Implement `missing`, `refinement_levels`, `settings_for_dt`, `verification_settings` and `simulate`. A scene arrives
-   resolved (plain numbers, arrays, accelerations): no engine reads a file. Translate the simulator's exceptions into
+3. Implement `missing` (of a simulator), `refinement_levels`, `settings_for_dt`, `verification_settings` and `simulate`. A scene
+   arrives resolved (plain numbers, arrays, accelerations): no engine reads a file. Translate the simulator's exceptions into
    `EngineFailure` at this boundary. An engine with contact offers a `Backend` (`harness.engines.stepping.step_state`): the
    layer steps it, locates events in it, and makes its trajectory.
 4. Fill every field of `Run` that the engine can know. A scene that asks for what the engine cannot compute is refused by
@@ -125,9 +125,9 @@ class Engine(ABC):
         if "simulate" in cls.__dict__ and not getattr(cls.simulate, "__isabstractmethod__", False):
             cls.simulate = own_failures(cls.name)(cls.simulate)  # type: ignore[method-assign]
 
-    @abstractmethod
     def missing(self) -> str | None:
-        """Why the engine cannot run here, in one sentence, or None when it can."""
+        """Why the engine cannot run here, in one sentence; None: it can, as one that needs no simulator always does."""
+        return None
 
     @abstractmethod
     def refinement_levels(self, scene: Scene) -> tuple[Settings, ...]:

@@ -66,10 +66,6 @@ class Spatial(Engine):
     )  # fmt: skip
     order: ClassVar[float] = 8.0
 
-    def missing(self) -> str | None:
-        """Always there."""
-        return None
-
     def refinement_levels(self, scene: Scene) -> tuple[SpatialSettings, ...]:
         """Three local errors; the step's length follows from them."""
         return tuple(SpatialSettings(0.0, expected, tolerance) for tolerance, expected in LEVELS)

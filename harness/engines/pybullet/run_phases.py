@@ -126,7 +126,7 @@ def _watch(
         stop=options.stop,
         gaps=gaps_of(scene, setup, level, edges=crossing is not None) if level.events else None,
         edges=None if crossing is None else edges,
-        wall=WallWatch.of(scene, setup.axes, level.dt_s),
+        wall=None if scene.wall is None else WallWatch(scene, setup.axes, level.dt_s),
         spells=None if limits is None else RestSpells(limits, setup.axes, axis, rest),
     )
 
@@ -155,7 +155,7 @@ def run_plain(scene: Scene, settings: BulletSettings, setup: Setup, options: Run
     schedule = Schedule(scene, settings.dt_s, 0, step_count(scene.duration_s, settings.dt_s))
 
     def stepped(full: FullShape | None, leave: EdgeWatch | None) -> StepLog:
-        wall = WallWatch.of(scene, setup.axes, settings.dt_s)
+        wall = None if scene.wall is None else WallWatch(scene, setup.axes, settings.dt_s)
         fallen = options.allows("stop_at_overturn")
         watch = Watch(setup.axis, leave=leave, stop=options.stop, ends_fallen=fallen, wall=wall)
         with World(settings, setup) as world:

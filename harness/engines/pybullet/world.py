@@ -503,9 +503,9 @@ class BulletBackend:
             return
         record, change = state.record, (0.0, 0.0, 0.0)
         if state.smooth and len(record.t_s) > 1:
-            before, last_s = record.rate_before, record.kick_s[-1] - record.kick_s[-2]
+            last_s = record.kick_s[-1] - record.kick_s[-2]
             if last_s > state.events.shortest * self.step_s:
-                x, y, z = before
+                x, y, z = record.row(-2)[10:13]
                 change = ((state.row[10] - x) / last_s, (state.row[11] - y) / last_s, (state.row[12] - z) / last_s)
         self.gyroscope.prepare_step(state.row, change, kick_s - state.kick_s, length_s, record.ledger)
 

@@ -221,7 +221,7 @@ def _part(scene: Scene, level: MunkSettings, schedule: Schedule, options: RunOpt
 
 
 def _watch(scene: Scene, level: MunkSettings, options: RunOptions) -> Watch:
-    wall = WallWatch.of(scene, None, level.dt_s)
+    wall = None if scene.wall is None else WallWatch(scene, None, level.dt_s)
     return Watch(stop=options.stop, ends_fallen=options.allows("stop_at_overturn"), wall=wall)
 
 

@@ -17,7 +17,7 @@ from pymunk._chipmunk_cffi import lib
 from harness.engines.pymunk.settings import MunkSettings
 from harness.engines.pymunk.world import State, World, contacts_of
 from harness.engines.stepping.step_state import StepState
-from harness.engines.stepping.trajectory import ALONE, Account, Impulse, Ledger, Row, StepLog, Vector
+from harness.engines.stepping.trajectory import ALONE, Account, Impulse, Ledger, Pair, Row, StepLog, Vector
 from harness.model import Array, Scene
 from meshes.footprint import lower_chain
 
@@ -27,8 +27,6 @@ from meshes.footprint import lower_chain
 # one step lets the statue fall freely and comes back as a blow: an impact met in such a step has the wrong ratio, by up to a
 # tenth.
 
-
-Pair = tuple[float, float]
 
 STILL: Final[State] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 STEEPEST_RAD: Final = 1.0

@@ -1,7 +1,5 @@
 """The loops: whole steps, shorter ones around events, when to stop; and the plain one of unmodified engines."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -127,11 +125,6 @@ class WallWatch:
     step_s: float
     seen: int = 0
     touched: bool = False
-
-    @classmethod
-    def of(cls, scene: Scene, axes: Array | None, step_s: float) -> WallWatch | None:
-        """None without a wall."""
-        return None if scene.wall is None else cls(scene, axes, step_s)
 
     def ends(self, record: StepLog) -> bool:
         """Whether something touched the wall since the last look or before, and the statue does not fall across the plane."""

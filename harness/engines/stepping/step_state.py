@@ -8,6 +8,7 @@ to the contact, and the impact takes no time: the engine solves a step in which 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Protocol
@@ -15,13 +16,14 @@ from typing import Final, Protocol
 import numpy as np
 
 from harness.engines.base import LayerFault
-from harness.engines.stepping.support import SLIP_ONSET, Pair, pedestal_inertia_kg_m2
+from harness.engines.stepping.support import SLIP_ONSET, pedestal_inertia_kg_m2
 from harness.engines.stepping.trajectory import (
     ALONE,
     STANDS_RAD,
     Account,
     Impulse,
     Ledger,
+    Pair,
     Row,
     Schedule,
     StepLog,
@@ -416,8 +418,8 @@ class Balance:
         )
         self.next, self.arm_m = 0, statue.centroid_height_m
         self.masses = [statue.mass_kg, *([] if pedestal is None else [pedestal.mass_kg])]
-        self.missing: dict[tuple[str, str], float] = {}
-        self.size: dict[tuple[str, str], float] = {}
+        # By what it is of: what is missing, and the size of what there is.
+        self.sums: defaultdict[tuple[str, str], Array] = defaultdict(lambda: np.zeros(2))
 
     def add(self, of: str, before: Row, after: Row, impulses: Sequence[Impulse], pull_m_s: Vector) -> None:
         """Compare two rows with what the contacts gave each body between them; none where the engine cannot say."""
@@ -430,11 +432,11 @@ class Balance:
         for k, (mass, (impulse, _)) in enumerate(zip(self.masses, impulses, strict=True)):
             at, name = ALONE * k + 7, "pedestal" if k else "statue"
             missing = [mass * (after[at + n] - before[at + n] - pull_m_s[n]) - impulse[n] for n in range(3)]
-            self._count((of, f"{name}_momentum"), math.hypot(*missing), largest, moved)
+            self.sums[of, f"{name}_momentum"] += math.hypot(*missing), largest + ROUNDED_OFF * moved
             if of == IMPACT:
                 here, there = before[at - 7 : at], after[at - 7 : at]
                 placed_m = math.dist(here[:3], there[:3]) + self.arm_m * _chord(here[3:], there[3:])
-                self._count((of, f"{name}_place"), placed_m, 0.0, self.arm_m)
+                self.sums[of, f"{name}_place"] += placed_m, ROUNDED_OFF * self.arm_m
         # What turns out of the plane has a gyroscopic torque besides.
         aside = max(abs(row[n]) for row in (before, after) for n in (10, 12))
         if of == IMPACT or aside <= ROUNDED_OFF * abs(before[11]):
@@ -442,18 +444,13 @@ class Balance:
             # Of the inertia in the world's axes the row that gives the angular momentum about y.
             was, now = np.array([before[10:13], after[10:13]]) @ turn @ self.inertia @ turn[1]
             turned = abs(now) + self.arm_m * (largest + moved)
-            self._count((of, "statue_turning"), float(abs(now - was - moment)), abs(moment), float(turned))
-
-    def _count(self, of: tuple[str, str], missing: float, impulse: float, moved: float) -> None:
-        self.missing[of] = self.missing.get(of, 0.0) + missing
-        self.size[of] = self.size.get(of, 0.0) + impulse + ROUNDED_OFF * moved
+            self.sums[of, "statue_turning"] += abs(now - was - moment), abs(moment) + ROUNDED_OFF * turned
 
     def check(self) -> None:
         """Raise `LayerFault` where something is missing."""
-        for (of, what), missing in self.missing.items():
-            size = self.size[of, what]
+        for (of, what), (missing, size) in self.sums.items():
             if not missing <= MOST_UNBALANCED * size:
-                raise LayerFault(f"unbalanced_{what}", **{f"{of}_missing": missing, f"{of}_whole": size})
+                raise LayerFault(f"unbalanced_{what}", **{f"{of}_missing": float(missing), f"{of}_whole": float(size)})
 
 
 def _chord(here: Row, there: Row) -> float:
@@ -788,7 +785,6 @@ class HalfCycle:
     parts: int = 0
 
 
-NO_PULL: Final = (0.0, 0.0, 0.0)
 LOOK_STEPS: Final = 16
 """Steps after which the bodies' contacts are looked at again."""
 
@@ -863,14 +859,14 @@ class StepState:
         length = self.events.together * self.step_s
         self._set(length)
         self.stepper.backend.prepare_step(self, self.kick_s, length)
-        after = self.stepper.step(NO_PULL, self.t_s, self.kick_s, length, self.row)
+        after = self.stepper.step(NOTHING, self.t_s, self.kick_s, length, self.row)
         before, stepper = self.row, self.stepper
         impulses = stepper.backend.impulses(before)
         # Only the velocities are kept.
         row = (*before[:7], *after[7:13], *before[13:20], *after[20:26])
         stepper.writer.write(IMPACT, after, row)
         for written in (row, stepper.backend.read()):
-            stepper.balance.add(IMPACT, before, written, impulses, NO_PULL)
+            stepper.balance.add(IMPACT, before, written, impulses, NOTHING)
         self.jump_velocity(row)
 
     def jump_velocity(self, row: Row) -> None:
@@ -937,7 +933,7 @@ class StepState:
     def rest(self, count: int) -> None:
         """So many whole steps in which nothing can move: samples as they are, without velocities, and no step of the engine's."""
         row, record = self.row, self.record
-        self.row = (*row[:7], *NO_PULL, *NO_PULL, *row[13:20], *(0.0 for _ in row[20:]))
+        self.row = (*row[:7], *NOTHING, *NOTHING, *row[13:20], *(0.0 for _ in row[20:]))
         record.flat.frombytes(count * record.pack(*self.row))
         record.whole_steps(self.number + 1, count, self.step_s)
         record.at_rest += count

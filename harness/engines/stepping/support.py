@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.engines.base import LayerFault
-from harness.engines.stepping.trajectory import Trajectory
+from harness.engines.stepping.trajectory import Pair, Trajectory
 from harness.model import Array, Contact, Intervention, Pedestal, Scene
 
 # Where the contact is the one that events are located for: a statue that turns about a corner at rest on an upright pedestal.
@@ -322,8 +322,6 @@ def lost_in_impacts_j(t_s: Array, lost_j: Array, impact_times_s: Sequence[float]
 # impact that breaks the pedestal loose, acts with μ_s: at an impact that is an error of (μ_s − μ_k) P_n that no step size
 # cures. Judging by the velocity instead of the impulse is late by a time that falls only with the root of the step: the
 # velocity has first to grow above what the solver leaves in a pedestal that is stuck.
-
-Pair = tuple[float, float]
 
 STUCK_SHARE: Final = 0.02
 """A velocity below this share of what kinetic friction takes away in one step is rest: solvers leave a little."""

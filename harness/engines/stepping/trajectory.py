@@ -25,6 +25,7 @@ Row = tuple[float, ...]
 """Place (3), quaternion (x, y, z, w) of the principal frame, velocity (3) and angular velocity (3) of the statue, world axes,
 and the same of the pedestal, if there is one."""
 Vector = tuple[float, float, float]
+Pair = tuple[float, float]
 Impulse = tuple[Vector, Vector]
 """Impulse of a body's contacts in a step, N s, and its moment about the centroid, N m s, world axes."""
 
@@ -233,12 +234,6 @@ class StepLog:
         # Rows lie one after the other: an array of them would be copied as it grows.
         end = len(self.flat) + (index + 1) * self.width
         return tuple(self.flat[end - self.width : end])
-
-    @property
-    def rate_before(self) -> Sequence[float]:
-        """The statue's angular velocity in the row before the last."""
-        begin = 10 - 2 * self.width
-        return self.flat[begin : begin + 3]
 
 
 # The table's motion step by step, for every contact engine; a pose in the table's frame as columns; what has fallen.
