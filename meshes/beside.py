@@ -6,7 +6,6 @@ from math import cos, radians, sin
 from typing import Final
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from meshes.mesh import Array, Doubt, Faces, RawMesh, area_vector, double_areas, require, triangulated, weld
 from meshes.processing_log import rims
@@ -49,6 +48,8 @@ def attached_beside(vertices_m: Array, faces: Faces) -> Beside | None:
 
 def _wall(vertices: Array, faces: Faces) -> Beside | None:
     """An upright plane of the hull that covers most of the body's outline and ends in a layer as a floor does."""
+    from scipy.spatial import ConvexHull
+
     hull = ConvexHull(vertices)
     area = 0.5 * np.linalg.norm(double_areas(vertices, hull.simplices.astype(np.int64)), axis=1)
     normal = hull.equations[:, :3]
@@ -235,6 +236,8 @@ def _section(start: Array, end: Array, level: float) -> Array:
 
 def _hull(points: Array) -> tuple[Array, float]:
     """Those of points (n, 3) that lie on their hull seen from above, and its area."""
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         hull = ConvexHull(points[:, :2])
     except (QhullError, ValueError):  # on a line, or too few

@@ -36,8 +36,9 @@ SPACE_TIMES: Final = (4.2, 30.0)
 TIPPING_TIMES: Final = (8.0, MOST_TIMES)
 """The same where the pedestal tips: runs agree for a while only, so a climb goes on until it may take no more steps, or gives up
 before. Of 60 seeded `tipping_scene`s 8.7 to 39.1 in Chipmunk, of ten in Bullet 8.4 to 18.5."""
-OUTGROWN_TIMES: Final = (1.4, 2.0)
-"""Steps of a climb over those of its one whole run, where errors outgrow every level: on the paper's conditions."""
+OUTGROWN_TIMES: Final = (3.0, 4.7)
+"""Steps of a climb over those of its whole run up to where errors outgrow that, where they outgrow every level: on the paper's
+conditions, 3.1 to 4.6 in Chipmunk."""
 LONGER_TIMES: Final = 2.0
 """So many times later than the model's an engine's statue may fall there."""
 REST_S: Final = 3.0
@@ -123,7 +124,12 @@ def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, d
     if scene.duration_s >= LONG_STEPS * second.dt_s and outgrown_s(_asked(scene), finest_rad, target_rad) < math.inf:
         # Where errors outgrow every level the engine may stand where the model falls, for some while at least.
         longer_s = min(most_s, LONGER_TIMES * least_s)
-        return Range(OUTGROWN_TIMES[0] * least_s / second.dt_s, OUTGROWN_TIMES[1] * longer_s / second.dt_s)
+        coarser_s = outgrown_s(_asked(scene), second.expected_error_rad, target_rad)
+
+        def steps(times: float, end_s: float) -> float:
+            return times * min(end_s, coarser_s) / second.dt_s + max(end_s - coarser_s, 0.0) / levels[0].dt_s
+
+        return Range(steps(OUTGROWN_TIMES[0], least_s), steps(OUTGROWN_TIMES[1], longer_s))
     tips = model.validity.get("left_domain_by") == "pedestal_tips" and not _falls(model)
     return Range(*(SPACE_TIMES if space else TIPPING_TIMES if tips else CALM_TIMES)).times(least_s / first.dt_s)
 

@@ -16,7 +16,6 @@ from harness.model import (
     InputError,
     Mistake,
     check_known,
-    check_own,
     info,
     printable,
     require,
@@ -657,6 +656,7 @@ def _say_scan(inspection: Inspection, saying: OutputOptions, *last: str) -> None
 
 def _check_picture(picture: Path) -> None:
     """Raise `InputError` unless a picture of that name can be written without a loss."""
+    from harness.model import check_own
     from reports.export.figures import FORMATS
 
     kinds = (*FORMATS, "html")

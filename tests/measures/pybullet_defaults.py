@@ -7,7 +7,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from harness.engines.pybullet import statue as body
+from harness.engines.pybullet.statue import plane
 from harness.engines.stepping.trajectory import apparent_gravity, step_count
 from harness.model import Scene
 
@@ -51,7 +51,7 @@ def run(scene: Scene, defaults: EngineDefaults) -> tuple[Array, Array]:
 
 def _built(scene: Scene, defaults: EngineDefaults, client: int) -> int:
     """Floor, pedestal and statue; returns the statue's body."""
-    floor = pybullet.createMultiBody(0.0, body.plane((0.0, 0.0, 1.0), client), physicsClientId=client)
+    floor = pybullet.createMultiBody(0.0, plane((0.0, 0.0, 1.0), client), physicsClientId=client)
     _surface(defaults, floor, scene.contact.floor_static if scene.pedestal else 1.0, client)
     top = 0.0
     if scene.pedestal is not None:

@@ -2,6 +2,8 @@
 
 import math
 import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from importlib import metadata
 from typing import ClassVar, Final, final
@@ -127,31 +129,47 @@ class Munk2D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it."""
-        own, coarsest = own_settings(self.name, MunkSettings, settings), self.refinement_levels(scene)[0]
-        return _computed(self.name, scene, own, options, coarsest)
+        own = own_settings(self.name, MunkSettings, settings)
+        scene = _in_plane(self.name, scene)
+        if scene.initial.pose is not None and scene.contact.restitution is not None:
+            raise EngineFailure("pymunk locates plastic impacts only: a coefficient of restitution is pymunk:plain's")
+        begin = time.perf_counter()
+        count = step_count(scene.duration_s, own.dt_s)
+        quiet_s = first_motion_s(scene) if options.allows("quiet_start") else 0.0
+        first = min(max(int(quiet_s / own.dt_s) - SETTLE_STEPS, 0), count - 1)
+        coarsest = self.refinement_levels(scene)[0]
+        with _refusals():
+            record = _steps(scene, options, schedules(scene, own, coarsest, first, options.coarser_from_s), None)
+        run = _reduced(self.name, scene, own, options, record, plain=False)
+        return replace(run, wall_s=time.perf_counter() - begin)
 
 
-def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, coarsest: MunkSettings | None) -> Run:
-    """The run of either engine, the unmodified one without `coarsest`.
+def _in_plane(name: str, scene: Scene) -> Scene:
+    """The scene without its push across the plane, which has no part in what friction must hold.
 
-    Raises `EngineFailure` where Chipmunk refuses the scene, or where it leaves the rocking plane.
+    Raises `EngineFailure` where it begins out of the plane.
     """
-    plain, pose, restitution = coarsest is None, scene.initial.pose, scene.contact.restitution
+    pose = scene.initial.pose
     aside = {"a pose out of the rocking plane": pose is not None and not pose.in_plane}
     refuse(name, aside, name.replace("munk", "bullet"))
-    if not plain and pose is not None and restitution is not None:
-        raise EngineFailure("pymunk locates plastic impacts only: a coefficient of restitution is pymunk:plain's")
-    # A push across the plane has no part in what friction must hold.
-    scene = replace(scene, base_excitation=scene.base_excitation.in_plane())
-    begin = time.perf_counter()
+    return replace(scene, base_excitation=scene.base_excitation.in_plane())
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    """What Chipmunk refuses becomes an `EngineFailure`."""
     try:
-        record, first = _stepped(scene, own, options, coarsest)
+        yield
     except (AssertionError, ValueError, MemoryError) as error:
         raise EngineFailure(f"pymunk refused the scene: {error}") from error
-    skipped: dict[str, float | None] = {"quiet_start": first * own.dt_s} if first > 0 else {}
-    if record.rested:
-        skipped["quiet_end"] = scene.duration_s - record.t_s[-1]
+
+
+def _reduced(name: str, scene: Scene, own: MunkSettings, options: RunOptions, record: StepLog, *, plain: bool) -> Run:
+    """The run of either engine from its samples."""
     begin_s, end_s = record.t_s[0], record.t_s[-1]
+    skipped: dict[str, float | None] = {"quiet_start": begin_s} if begin_s > 0.0 else {}
+    if record.rested:
+        skipped["quiet_end"] = scene.duration_s - end_s
     plain_throughout = {"plain_from_s": begin_s, "plain_for_s": end_s - begin_s, "plain_because": ["asked for"]}
     located, stuck_m_s = not plain and _located(scene), stuck_below_m_s(scene, max(own.dt_s, record.coarser[1]))
     base_m = scene.statue.corner_left_m + scene.statue.corner_right_m
@@ -169,39 +187,19 @@ def _computed(name: str, scene: Scene, own: MunkSettings, options: RunOptions, c
         interventions=record.ledger.record(),
         skipped=skipped,
         coarser=record.coarser,
-        labels=() if plain or restitution is None else (IMPOSED_LABEL,),
+        labels=() if plain or scene.contact.restitution is None else (IMPOSED_LABEL,),
         repeats=not plain,
     )
-    path = trajectory(scene, record, None, own.dt_s)
-    return replace(reduce_trajectory(scene, path, report), wall_s=time.perf_counter() - begin)
+    return reduce_trajectory(scene, trajectory(scene, record, None, own.dt_s), report)
 
 
-def _stepped(
-    scene: Scene, own: MunkSettings, options: RunOptions, coarsest: MunkSettings | None
-) -> tuple[StepLog, int]:
-    """Samples of a run, and the number of its first step; unmodified Chipmunk's without `coarsest` settings to go on by."""
+def _steps(
+    scene: Scene, options: RunOptions, parts: Sequence[tuple[MunkSettings, Schedule]], done: StepLog | None
+) -> StepLog:
+    """Samples of a run, one space for each part: from the scene's start, or from where another one has come to."""
     from harness.engines.pymunk import backend, world
 
-    count = step_count(scene.duration_s, own.dt_s)
-    if coarsest is None:
-        # Without a support the backend holds nothing: it is Chipmunk's own step, read.
-        plain = backend.ChipmunkBackend(world.build(scene, own), own)
-        return plain_steps(plain, Schedule(scene, own.dt_s, 0, count), _watch(scene, own, options)), 0
-    quiet_s = first_motion_s(scene) if options.allows("quiet_start") else 0.0
-    first = min(max(int(quiet_s / own.dt_s) - SETTLE_STEPS, 0), count - 1)
-    (level, schedule), *later = schedules(scene, own, coarsest, first, options.coarser_from_s)
-    record = _part(scene, level, schedule, options, None)
-    for level, coarser in later:
-        if schedule.ended(record.t_s[-1]):
-            record.go_on(level.dt_s)
-            record = _part(scene, level, coarser, options, record)
-    return record, first
-
-
-def _part(scene: Scene, level: MunkSettings, schedule: Schedule, options: RunOptions, done: StepLog | None) -> StepLog:
-    """One space: from the scene's start, or from where another one has come to."""
-    from harness.engines.pymunk import backend, world
-
+    (level, schedule), *later = parts
     support = backend.SupportVertex(scene, level)
     munk = backend.ChipmunkBackend(world.build(scene, level), level, support)
     if done is not None:
@@ -217,7 +215,11 @@ def _part(scene: Scene, level: MunkSettings, schedule: Schedule, options: RunOpt
         watch = replace(watch, gaps=ContactGaps(scene, feet_m, half_m, level.dt_s))
     if options.allows("quiet_end") and end_s < scene.duration_s:
         watch = replace(watch, quiet_from=math.ceil(end_s / level.dt_s))
-    return integrate(scene, schedule, watch, state)
+    record = integrate(scene, schedule, watch, state)
+    if later and schedule.ended(record.t_s[-1]):
+        record.go_on(later[0][0].dt_s)
+        return _steps(scene, options, later, record)
+    return record
 
 
 def _watch(scene: Scene, level: MunkSettings, options: RunOptions) -> Watch:
@@ -309,5 +311,16 @@ class PlainMunk2D(Engine):
 
     def simulate(self, scene: Scene, settings: Settings, options: RunOptions) -> Run:
         """Compute the scene. Raises `EngineFailure` where Chipmunk refuses it, or where it would have to be steered."""
+        from harness.engines.pymunk import backend, world
+
         refuse_steering(scene, self.name)
-        return _computed(self.name, scene, own_settings(self.name, MunkSettings, settings), options, None)
+        own = own_settings(self.name, MunkSettings, settings)
+        scene = _in_plane(self.name, scene)
+        begin = time.perf_counter()
+        schedule = Schedule(scene, own.dt_s, 0, step_count(scene.duration_s, own.dt_s))
+        with _refusals():
+            # Without a support the backend holds nothing: it is Chipmunk's own step, read.
+            plain = backend.ChipmunkBackend(world.build(scene, own), own)
+            record = plain_steps(plain, schedule, _watch(scene, own, options))
+        run = _reduced(self.name, scene, own, options, record, plain=True)
+        return replace(run, wall_s=time.perf_counter() - begin)
