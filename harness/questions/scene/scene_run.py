@@ -772,10 +772,12 @@ def _reason(
 
 
 def _again(scene: Scene, run: Run, until_s: float) -> Run | None:
-    """A scene computed by a run's engine with that run's step; None where it cannot."""
-    engine = engines.load(run.engine)
+    """A scene computed by a run's engine with that run's step up to a time; None where it cannot."""
+    if until_s <= 0.0:
+        return None
+    engine, shorter = engines.load(run.engine), replace(scene, duration_s=min(until_s, scene.duration_s))
     try:
-        return engine.simulate(scene, settings_of(engine, scene, run), RunOptions(stop=lambda t_s, _: t_s > until_s))
+        return engine.simulate(shorter, settings_of(engine, scene, run), RunOptions())
     except EngineFailure:
         return None
 
