@@ -124,7 +124,8 @@ def expected_steps(name: str, scene: Scene, accuracy_rad: float | None = None, d
     if scene.duration_s >= LONG_STEPS * second.dt_s and outgrown_s(_asked(scene), finest_rad, target_rad) < math.inf:
         # Where errors outgrow every level the engine may stand where the model falls, for some while at least.
         longer_s = min(most_s, LONGER_TIMES * least_s)
-        coarser_s = outgrown_s(_asked(scene), second.expected_error_rad, target_rad)
+        # As a time of motion, like the others: nothing is integrated before the first push.
+        coarser_s = outgrown_s(_asked(scene), second.expected_error_rad, target_rad) - first_motion_s(scene)
 
         def steps(times: float, end_s: float) -> float:
             return times * min(end_s, coarser_s) / second.dt_s + max(end_s - coarser_s, 0.0) / levels[0].dt_s

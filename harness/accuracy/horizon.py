@@ -87,7 +87,9 @@ def _tilt_rad(run: Run) -> float:
     tilt_rad = None if history is None else history.extra.get("pedestal_tilt_rad")
     if history is None or tilt_rad is None:
         return number(run.validity, "pedestal_tilt_rad", 0.0)
-    return float(np.abs(tilt_rad[history.t_s <= last_s(run)]).max(initial=0.0))
+    # Of what coarse steps leave of a tilt nothing is told.
+    coarser_s = (float(str(found.values["from_s"])) for found in run.findings if found.code == "coarser_steps")
+    return float(np.abs(tilt_rad[history.t_s <= min([last_s(run), *coarser_s])]).max(initial=0.0))
 
 
 def several_slides_s(scene: Scene, run: Run) -> float:

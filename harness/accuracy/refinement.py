@@ -395,7 +395,8 @@ class _Climb:
 
         scene = stronger(self.scene, good[-1][0].expected_error_rad)
         own = self.engine.sensitivity_settings(self.scene, settings)
-        other = self.engine.simulate(scene, own, RunOptions(stop=parted))
+        options = RunOptions(stop=parted, coarser_from_s=self.unbounded_from_s(settings))
+        other = self.engine.simulate(scene, own, options)
         if not other.outcome.failed and history is not None:
             self.answer = spread(other, run, self.target, replace(self.target, slip_m=math.inf))
             self.answers += 1

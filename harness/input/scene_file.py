@@ -343,8 +343,10 @@ def _statue(table: StatueTable, path: Path, found: list[Finding]) -> Statue:
         from harness.input.mesh_statue import statue_from_mesh
 
         return statue_from_mesh(table, table.mesh, path, found)
-    # Without a mesh they are all there (`tables.checked`).
-    mass, height_c, left, right, inertia = (float(getattr(table, name)) for name in tables.NUMBERS)
+    numbers = [getattr(table, name) for name in tables.NUMBERS]
+    # A file that lacks one was refused (`tables.checked`); a study's case or an option may take one away.
+    require(None not in numbers, str(path), ", ".join(tables.NUMBERS), "not all of them", key="statue")
+    mass, height_c, left, right, inertia = map(float, numbers)
     height = table.height_m
     if height is None:
         height = 2.0 * height_c

@@ -155,7 +155,7 @@ class Bullet3D(Engine):
             steps=len(phases.record.t_s) - 1 - phases.record.at_rest,
             wall_s=time.perf_counter() - begin,
             resolution_rad=REST_BAND_RAD,
-            stuck_below_m_s=stuck_below_m_s(scene, max(level.dt_s, phases.record.coarser[1])),
+            stuck_below_m_s=stuck_below_m_s(scene, level.dt_s),
             coarser=phases.record.coarser,
             rested=phases.record.rested,
             with_history=options.history or not options.allows("no_history"),

@@ -24,10 +24,6 @@ from harness.model import OVERTURN_RAD, Array, Pedestal, Scene, Statue
 from harness.statics.plan import SAME, shape_needed
 from meshes.solid import thinned
 
-# A plane touches a rigid body only at vertices of its convex hull, whatever lies between them: one small sphere at each such
-# vertex is the body's exact contact with floor and wall, with one fixed contact point each.
-
-
 # When the pedestal's edge can meet the statue: only if some part of the statue comes to or below the top's plane beside it.
 #
 # Above that plane nothing but the plane itself can touch a convex body, and it does so at vertices: the feet are exact. Beside
@@ -105,6 +101,10 @@ class EdgeWatch:
 
 
 Ints = NDArray[np.int64]
+
+# A plane touches a rigid body only at vertices of its convex hull, whatever lies between them: one small sphere at each such
+# vertex is the body's exact contact with floor and wall, with one fixed contact point each.
+
 
 REST_LEAN_RAD: Final = 0.2
 """A facet on which the statue rests leans less than this, or the scan was not stood upright."""

@@ -171,7 +171,7 @@ def _reduced(name: str, scene: Scene, own: MunkSettings, options: RunOptions, re
     if record.rested:
         skipped["quiet_end"] = scene.duration_s - end_s
     plain_throughout = {"plain_from_s": begin_s, "plain_for_s": end_s - begin_s, "plain_because": ["asked for"]}
-    located, stuck_m_s = not plain and _located(scene), stuck_below_m_s(scene, max(own.dt_s, record.coarser[1]))
+    located, stuck_m_s = not plain and _located(scene), stuck_below_m_s(scene, own.dt_s)
     base_m = scene.statue.corner_left_m + scene.statue.corner_right_m
     report = Report(
         engine=name,
@@ -179,7 +179,7 @@ def _reduced(name: str, scene: Scene, own: MunkSettings, options: RunOptions, re
         steps=len(record.t_s) - 1,
         wall_s=0.0,
         # Else what the contact's slop can leave at rest.
-        resolution_rad=REST_BAND_RAD if located else 2.0 * own.slop_m / base_m,
+        resolution_rad=REST_BAND_RAD if located else 2.0 * own.slop_m * max(record.coarser[1] / own.dt_s, 1.0) / base_m,
         stuck_below_m_s=stuck_m_s if plain else max(10.0 * stuck_m_s, STILL_M_S),
         rested=record.rested,
         with_history=options.history or not options.allows("no_history"),

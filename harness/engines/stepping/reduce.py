@@ -365,7 +365,9 @@ def _uplift_time(t_s: Array, theta: Array, rate: Array, first: int) -> float:
     return float(max(t_s[k] - power * theta[k] / rate[k], 0.0))
 
 
-def patterns(motion: Trajectory, slid_m: Array, resolution_rad: float, stuck_below_m_s: float) -> tuple[Pattern, ...]:
+def patterns(
+    motion: Trajectory, slid_m: Array, resolution_rad: float, stuck_below_m_s: Array | float
+) -> tuple[Pattern, ...]:
     """The stretches of rest, rocking, sliding of the pedestal and both, in any direction, and those in which the statue slides on
     its support; `slid_m` is its slip."""
     t_s, still = motion.t_s, np.zeros_like(motion.t_s)
@@ -505,7 +507,10 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         told_until_s = min(number(plain, "plain_from_s", math.inf), report.coarser[0])
         check_friction(scene, motion, impulses, told_until_s, report.stuck_below_m_s, account)
     fallen = fall(scene, motion, overturn_s)
-    outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, slip_m, at, report.stuck_below_m_s)
+    # What longer steps leave at rest is more in proportion.
+    longer = max(report.coarser[1] / number(report.settings, "dt_s", math.inf), 1.0)
+    stuck_m_s = report.stuck_below_m_s * np.where(motion.t_s > report.coarser[0], longer, 1.0)
+    outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, slip_m, at, float(stuck_m_s[-1]))
     count, reached_s = touch or (0, 0.0)
     if outcome is Outcome.TOUCHES_WALL and count > 1 and reached_s > motion.t_s[count - 1]:
         # The run ends there, as the model's does: the sample after it is of the wall's impact.
@@ -559,19 +564,19 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         uplift_times_s=tuple(time for time in cycles.uplift_times_s if time <= end_s),
         peak_slip_m=float(np.abs(motion.slip_m).max()),
         residual_slip_m=float(np.interp(end_s, motion.t_s, motion.slip_m)),
-        patterns=patterns(motion, slid_m, report.resolution_rad, report.stuck_below_m_s),
+        patterns=patterns(motion, slid_m, report.resolution_rad, stuck_m_s),
         validity=validity | dict(report.validity),
         work=report.work,
         skipped=report.skipped,
-        findings=(*own_contact(scene), *_coarser(report.coarser), *report.findings),
+        findings=(*own_contact(scene), *_coarser(report.coarser, end_s), *report.findings),
         labels=report.labels,
         interventions=report.interventions,
     )
 
 
-def _coarser(coarser: tuple[float, float]) -> list[Finding]:
+def _coarser(coarser: tuple[float, float], end_s: float) -> list[Finding]:
     from_s, dt_s = coarser
-    return [info("coarser_steps", from_s=from_s, dt_s=dt_s)] if from_s < math.inf else []
+    return [info("coarser_steps", from_s=from_s, dt_s=dt_s)] if from_s < end_s else []
 
 
 def own_contact(scene: Scene) -> list[Finding]:

@@ -798,7 +798,7 @@ class StepState:
     """
 
     def __init__(self, stepper: Stepper, record: StepLog, *, even: bool) -> None:
-        """Go on from the last sample of `record`, at a whole step."""
+        """Go on from the last sample of `record`, at a whole step or less than half of one from it."""
         self.stepper, self.schedule, self.events = stepper, stepper.schedule, stepper.events
         self.record, self.row, self.t_s, self.kick_s = record, record.row(-1), record.t_s[-1], record.kick_s[-1]
         stepper.writer.ledger = record.ledger

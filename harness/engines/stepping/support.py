@@ -305,13 +305,6 @@ def lost_in_impacts_j(t_s: Array, lost_j: Array, impact_times_s: Sequence[float]
     return float(np.sum(lost_j[np.minimum(after + 2, last)] - lost_j[np.clip(after - 1, 0, last)]))
 
 
-# Whether the floor's friction kept Coulomb's law: from the balance of momentum of both bodies, hence as it acted.
-#
-# What the loop believes of friction is not asked. Sliding, friction is μ_k N; else it is at most μ_s N; the step in which the
-# pedestal breaks loose acts with what lies between. A limit that is wrong in the loop, or a release in which the static
-# coefficient goes on acting, shows here however small its effect on the motion.
-
-
 # Two coefficients of friction in an engine that knows one.
 #
 # The rule, for each step: if the pedestal is stuck when the step begins, the step is computed with the static coefficient; if
@@ -346,6 +339,13 @@ def followed(contact: Contact, rest_m_s: float, before_m_s: Pair, now_m_s: Pair)
     # that speed alone both slide on, at a chance that no step size cures (0.02 rad in a scene of the paper, pymunk at 0.25 ms).
     slides = u * x + v * y > 0.0 and min(math.hypot(u, v), math.hypot(x, y)) > rest_m_s
     return contact.floor_kinetic if slides else contact.floor_static
+
+
+# Whether the floor's friction kept Coulomb's law: from the balance of momentum of both bodies, hence as it acted.
+#
+# What the loop believes of friction is not asked. Sliding, friction is μ_k N; else it is at most μ_s N; the step in which the
+# pedestal breaks loose acts with what lies between. A limit that is wrong in the loop, or a release in which the static
+# coefficient goes on acting, shows here however small its effect on the motion.
 
 
 SLIDES: Final = 10.0
@@ -413,7 +413,8 @@ def check_friction(
     # As it comes to rest a step's force is read from velocities of which one is of its sliding.
     settled = np.maximum(before, np.concatenate([[0.0], before[:-1]])) <= still_m_s
     held = counted & ~hard & settled & (after <= still_m_s)
-    step_s = float(np.median(np.diff(motion.t_s)))
+    told = motion.t_s[motion.t_s <= plain_from_s]
+    step_s = float(np.median(np.diff(told if told.size > 1 else motion.t_s)))
     most, smooth = MOST_OVER * max(1.0, step_s / COARSE_S), max(SMOOTH, SMOOTH_PER_S * step_s)
     for name, coefficient, which in (("sliding", kinetic, sliding), ("held", static, held)):
         over = _over(friction, coefficient, normal, which, smooth)

@@ -36,7 +36,7 @@ STANDS_RAD: Final = 2e-5
 
 
 def axis_of(row: Row, axis: Vector) -> Vector:
-    """World components of the statue's vertical axis, given as `axis` in its principal"""
+    """World components of the statue's vertical axis, given as `axis` in its principal frame."""
     x, y, z, w = row[3], row[4], row[5], row[6]
     a, b, c = axis
     return (
@@ -236,13 +236,6 @@ class StepLog:
         return tuple(self.flat[end - self.width : end])
 
 
-# The table's motion step by step, for every contact engine; a pose in the table's frame as columns; what has fallen.
-#
-# A step changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
-# places it is of second order; so the gravity of the step from t_n to t_{n+1} is the mean over the time from the middle of the
-# step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
-
-
 # What three dimensions add to a trajectory: rotation matrices, the columns of a body's pose, a fall in any direction.
 
 
@@ -289,6 +282,13 @@ def fallen(zx: float, zy: float, zz: float) -> bool:
     if abs(zx) >= abs(zy):
         return abs(zx) >= zz * OVERTURN_TAN
     return zz <= OVERTURN_COS
+
+
+# The table's motion step by step, for every contact engine.
+#
+# A step changes velocities first and places after, v ← v + g Δt, x ← x + v Δt. Read as velocities half a step before their
+# places it is of second order; so the gravity of the step from t_n to t_{n+1} is the mean over the time from the middle of the
+# step before to the middle of this one. The first step begins with synchronous velocities: half of its time lies before t_0.
 
 
 def step_count(duration_s: float, dt_s: float) -> int:
@@ -343,7 +343,7 @@ class Schedule:
 
     @property
     def moving(self) -> bool:
-        """Whether the table moves instead of the"""
+        """Whether the table moves instead of the frame."""
         return self.scene.table == "moving"
 
     @cached_property

@@ -107,7 +107,7 @@ MOST_RUNS: Final = 400
 """Engine runs after which an interval is told as it is."""
 SPACE_DIMENSIONS: Final = 3
 SPACE_STEPS: Final = 1_000_000
-"""Steps that the exact body may take in all, where it is asked beside the others: three times those beside a single run."""
+"""Steps that the exact body may take in all, where it is asked beside the others: some seven times those beside a single run."""
 OPTIONS: Final = 10
 """Options of which draws outside the model's domain may be answered by the engine, in a forecast: as many as are shipped."""
 ALL_TIMES: Final = 4.2

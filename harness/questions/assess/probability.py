@@ -650,11 +650,10 @@ def assess_models(scene: Scene, draws: int = RUN_DRAWS, *, leaves_plane: bool = 
         return {}
     values = draws_of(scene, inputs, draws, seed=0)
     model = model_draws(scene, values)
+    fell = sampled(model, lambda number: varied(scene, row(values, number)))
     leaves_plane |= shaken_across(scene)
-    space = space_draws(scene, values) if leaves_plane else None
-    # What the planar model leaves open is asked of nobody where the exact body answers.
-    fell = sampled(model, lambda number: varied(scene, row(values, number))) if space is None else NONE_SAMPLED
     answers = {MODEL: probability_of(model, fell, plane_only=leaves_plane)}
+    space = space_draws(scene, values) if leaves_plane else None
     return answers if space is None else {**answers, SPACE: probability_of(space)}
 
 
@@ -673,7 +672,7 @@ def assessed_s(scene: Scene) -> float:
     begin = time.process_time()
     model = model_draws(scene, some)
     seconds = (time.process_time() - begin) * size / model.left.size
-    return seconds + (SPACE_S if shaken_across(scene) else SAMPLE_S * bool(model.left.mean() > OPEN))
+    return seconds + SAMPLE_S * bool(model.left.mean() > OPEN) + SPACE_S * shaken_across(scene)
 
 
 def sampled(model: ModelDraws, scene_of: Callable[[int], Scene]) -> dict[int, End]:

@@ -399,7 +399,7 @@ class Difficulty:
 
 
 def difficulties() -> tuple[Difficulty, ...]:
-    """The rows from easy to"""
+    """The rows from easy to hard."""
     pushed = {"duration_s": 1.0, "statue": PAESTUM, "motion": harmonic(0.429, 3.0)}
     stand = {"pedestal": PEDESTAL, "contact": EQUAL}
     light = {"pedestal": {**PEDESTAL, "mass_kg": 0.707}, "contact": EQUAL}

@@ -410,6 +410,8 @@ def test_past_what_any_step_bounds_steps_are_coarse_and_what_is_stated_is_the_sa
     assert fine.sum() > 0.2 * fine.size
     assert np.array_equal(run.history.theta_rad[fine], whole.history.theta_rad[: fine.size][fine])
     assert np.array_equal(run.history.slip_m[fine], whole.history.slip_m[: fine.size][fine])
+    before = [[each for each in found.patterns if each.end_s < from_s] for found in (run, whole)]
+    assert before[0] == before[1] != []
     # What the coarsest level takes from there, and what its events take.
     steps = from_s / own.dt_s + (scene.duration_s - from_s) / engine.refinement_levels(scene)[0].dt_s
     assert run.steps < 1.1 * steps < 0.7 * whole.steps

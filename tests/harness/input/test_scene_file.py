@@ -2,15 +2,18 @@
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from harness import InputError, Scene, load_scene
+from harness.input.tables import NUMBERS
 from tests import doubles
 from tests.fuzz.originals import SCENE, prepare
 from tests.harness.input.test_tables import GOOD
+from tests.scenes_for_tests import SCENES
 
 
 def written(folder: Path, text: str) -> Path:
@@ -270,3 +273,17 @@ def test_a_motion_by_formula_loads_no_reader_of_records() -> None:
     code = f"import sys, harness; harness.load_scene({str(path)!r}); print([n for n in sys.modules if '.readers' in n])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("key", NUMBERS)
+def test_a_case_or_an_option_that_takes_a_number_of_a_block_away_is_refused(key: str) -> None:
+    """What a file is refused for, one by one, as of a study's case and an option all keys are read at once."""
+    from harness.questions.assess.probability import reread
+    from harness.questions.study.cases import BaseScene
+
+    path = SCENES / "free_rocking.toml"
+    away = {f"statue.{key}": "none"}
+    with pytest.raises(InputError, match="not all of them"):
+        BaseScene(path, tomllib.loads(path.read_text(encoding="utf-8"))).scene(away)
+    with pytest.raises(InputError, match="not all of them"):
+        reread(load_scene(path), away, "option")
