@@ -507,9 +507,11 @@ def reduce_trajectory(scene: Scene, trajectory: Trajectory, report: Report, *, w
         told_until_s = min(number(plain, "plain_from_s", math.inf), report.coarser[0])
         check_friction(scene, motion, impulses, told_until_s, report.stuck_below_m_s, account)
     fallen = fall(scene, motion, overturn_s)
-    # What longer steps leave at rest is more in proportion.
-    longer = max(report.coarser[1] / number(report.settings, "dt_s", math.inf), 1.0)
-    stuck_m_s = report.stuck_below_m_s * np.where(motion.t_s > report.coarser[0], longer, 1.0)
+    coarser_s, dt_s = report.coarser
+    stuck_m_s = np.full(motion.t_s.size, report.stuck_below_m_s)
+    if coarser_s < math.inf:
+        # What longer steps leave at rest is more in proportion.
+        stuck_m_s[motion.t_s > coarser_s] *= dt_s / number(report.settings, "dt_s")
     outcome, ahead_rad = _outcome(scene, motion, fallen, wall_s, slip_m, at, float(stuck_m_s[-1]))
     count, reached_s = touch or (0, 0.0)
     if outcome is Outcome.TOUCHES_WALL and count > 1 and reached_s > motion.t_s[count - 1]:
