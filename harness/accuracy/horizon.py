@@ -88,7 +88,7 @@ def _tilt_rad(run: Run) -> float:
     if history is None or tilt_rad is None:
         return number(run.validity, "pedestal_tilt_rad", 0.0)
     # Of what coarse steps leave of a tilt nothing is told.
-    coarser_s = (float(str(found.values["from_s"])) for found in run.findings if found.code == "coarser_steps")
+    coarser_s = (number(found.values, "from_s") for found in run.findings if found.code == "coarser_steps")
     return float(np.abs(tilt_rad[history.t_s <= min([last_s(run), *coarser_s])]).max(initial=0.0))
 
 
